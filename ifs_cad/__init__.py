@@ -1,0 +1,119 @@
+"""IFS curves become a free-form surface, exact plywood panels and one STEP file.
+
+The public names are resolved on first use (PEP 562), so `import ifs_cad` loads neither the CAD
+kernel nor numpy; and it is enough to have the Workplane methods, which attach themselves when
+cadquery is imported, before or after.
+
+The method is that of Stotz, Gouaty and Weinand, *Iterative Geometric Design for Architecture*,
+2009.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from wrapt import when_imported
+
+if TYPE_CHECKING:
+    from ifs_cad.design.curve import Curve
+    from ifs_cad.design.dome import dome
+    from ifs_cad.design.mesh import Mesh
+    from ifs_cad.design.surface import vector_sum
+    from ifs_cad.design.transform import Scheme
+    from ifs_cad.elements.clash import clashes
+    from ifs_cad.elements.hole import Holes
+    from ifs_cad.elements.label import Label
+    from ifs_cad.elements.material import Material
+    from ifs_cad.elements.panel import Panel, Shell
+    from ifs_cad.elements.thicken import thicken
+    from ifs_cad.errors import IfsCadError
+    from ifs_cad.export.step import export_panels, export_step
+    from ifs_cad.kernel.assembly import to_assembly
+    from ifs_cad.kernel.panels import to_solid
+    from ifs_cad.tolerance import Tolerance
+    from ifs_cad.types import Plane
+    from ifs_cad.view.preview import show, show_object
+    from ifs_cad.view.render import render
+    from ifs_cad.workflow.check import check_step
+
+    __version__: str
+
+__all__ = [
+    "Curve",
+    "Holes",
+    "IfsCadError",
+    "Label",
+    "Material",
+    "Mesh",
+    "Panel",
+    "Plane",
+    "Scheme",
+    "Shell",
+    "Tolerance",
+    "check_step",
+    "clashes",
+    "dome",
+    "export_panels",
+    "export_step",
+    "render",
+    "show",
+    "show_object",
+    "thicken",
+    "to_assembly",
+    "to_solid",
+    "vector_sum",
+]
+
+_HOMES = {
+    "Curve": "design.curve",
+    "Holes": "elements.hole",
+    "IfsCadError": "errors",
+    "Label": "elements.label",
+    "Material": "elements.material",
+    "Mesh": "design.mesh",
+    "Panel": "elements.panel",
+    "Plane": "types",
+    "Scheme": "design.transform",
+    "Shell": "elements.panel",
+    "Tolerance": "tolerance",
+    "check_step": "workflow.check",
+    "clashes": "elements.clash",
+    "dome": "design.dome",
+    "export_panels": "export.step",
+    "export_step": "export.step",
+    "render": "view.render",
+    "show": "view.preview",
+    "show_object": "view.preview",
+    "thicken": "elements.thicken",
+    "to_assembly": "kernel.assembly",
+    "to_solid": "kernel.panels",
+    "vector_sum": "design.surface",
+}
+
+
+def __getattr__(name: str) -> Any:
+    value: Any
+    if name == "__version__":
+        from importlib.metadata import version
+
+        value = version("ifs-cad")
+    elif name in _HOMES:
+        from ifs_cad.libraries import load
+
+        value = getattr(load(f"{__name__}.{_HOMES[name]}"), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value  # the next access finds it without coming here
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+@when_imported("cadquery")
+def _attach_workplane_methods(cadquery: ModuleType) -> None:
+    from ifs_cad.kernel import plugin
+
+    plugin.attach(cadquery)

@@ -1,0 +1,1 @@
+"""What the designer draws: schemes, curves, surfaces, meshes; no CAD kernel in this room."""

@@ -1,0 +1,60 @@
+"""What can be looked at: the one conversion that `preview` and `render` share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cadquery as cq
+
+from ifs_cad.errors import InputError
+
+Part = tuple[cq.Shape, cq.Color | None]
+
+
+def viewable(thing: Any) -> cq.Assembly:
+    """Return a thing as an assembly.
+
+    Parameters
+    ----------
+    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape or Shell
+        An assembly is returned as it is; of a shell every panel becomes a part.
+
+    Raises
+    ------
+    InputError
+        Anything else, or nothing in it.
+    """
+    if isinstance(thing, cq.Assembly):
+        assembly = thing
+    elif isinstance(thing, cq.Workplane | cq.Shape):
+        assembly = cq.Assembly(thing)
+    else:
+        assembly = _shell_assembly(thing)
+    if not parts(assembly):
+        raise InputError(
+            f"There is nothing to look at in this {type(thing).__name__}: it holds no shape."
+        )
+    return assembly
+
+
+def parts(assembly: cq.Assembly) -> list[Part]:
+    """List the shapes of an assembly where they stand, each with its colour (None: not given)."""
+    return [
+        (shape.moved(location), color)
+        for shape, _, location, color in assembly
+        if not isinstance(shape, cq.Compound) or shape.Vertices()
+    ]
+
+
+def _shell_assembly(thing: Any) -> cq.Assembly:
+    # only a shell needs the rooms that make solids of it
+    from ifs_cad.elements.panel import Shell
+
+    if not isinstance(thing, Shell):
+        raise InputError(
+            "Only a cadquery Assembly, Workplane or Shape, or a shell can be looked at, "
+            f"not a {type(thing).__name__}."
+        )
+    from ifs_cad.kernel.assembly import to_assembly
+
+    return to_assembly(thing)

@@ -1,0 +1,196 @@
+"""Pictures without a screen: a model becomes a PNG.
+
+The faces are triangulated here and drawn by ``_draw.py`` in a process of its own. On Linux that
+uses EGL, which needs neither a screen nor a graphics card; elsewhere the system's own window,
+never shown. The camera stands far off with a long lens, z is up, the model fills the frame.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cadquery as cq
+import numpy as np
+from numpy.typing import NDArray
+from vtkmodules.util import numpy_support
+
+from ifs_cad.errors import ExportError, InputError, ViewerError
+from ifs_cad.view._assembly import Part, parts, viewable
+
+from_vtk: Callable[[Any], NDArray[Any]] = numpy_support.vtk_to_numpy
+
+PLYWOOD = (0.87, 0.72, 0.53, 1.0)
+EDGE_DARKNESS = 0.35  # an edge is its part's colour times this
+DEVIATION = 1e-3  # of a chord from its curve, share of the part's size
+TURN = 0.2  # radians between chords of a curve
+LARGEST = 4000  # pixels: drawn at twice that, it still fits drivers and memory
+
+NO_BACKEND = (
+    "Nothing on this machine can draw. On Debian and Ubuntu install the packages libegl1, "
+    "libegl-mesa0 and libgl1-mesa-dri (no screen and no graphics card needed)."
+    if sys.platform == "linux"
+    else "Drawing failed: OpenGL 3.2 is needed, from the graphics driver of this machine."
+)
+
+
+def render(
+    thing: Any,
+    path: str | os.PathLike[str],
+    *,
+    width: int = 1600,
+    height: int = 1000,
+    azimuth: float = -60.0,
+    elevation: float = 25.0,
+    zoom: float = 1.0,
+    background: str = "white",
+    edges: bool = True,
+) -> None:
+    """Write a picture of a model as a PNG file.
+
+    Parameters
+    ----------
+    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape or Shell
+        Parts keep their colours; a part without one is drawn as plywood.
+    path : path
+        Target, ending in ``.png``. Written beside it and renamed: an error leaves what was there.
+    width, height : int, pixels
+        16 to 4000.
+    azimuth, elevation : float, degrees
+        Where the camera stands: about z from the x axis, and above the horizon.
+    zoom : float
+        1 lets the model fill the frame; more comes nearer and crops it.
+    background : str
+        A colour's name or ``#rrggbb``.
+    edges : bool
+        Draw the edges of the faces.
+
+    Raises
+    ------
+    InputError
+        A thing that cannot be looked at, or a number or colour that cannot be meant.
+    ViewerError
+        Nothing on this machine can draw; the message names the packages to install.
+    ExportError
+        The file could not be written.
+    """
+    target = Path(path)
+    paper = _checked(target, width, height, (azimuth, elevation, zoom), background)
+    scene = _scene(parts(viewable(thing)), edges)
+    scene |= {
+        "size": np.array([width, height]),
+        "view": np.array([azimuth, elevation, zoom], dtype=float),
+        "background": np.array(paper),
+    }
+    _replace(target, _drawn(scene))
+
+
+def _checked(
+    target: Path, width: int, height: int, view: tuple[float, float, float], background: str
+) -> tuple[float, ...]:
+    """Check what was asked for and return the background as RGB."""
+    if target.suffix.lower() != ".png":
+        raise InputError(f"A picture is a PNG: the name must end in .png, got {target.name!r}.")
+    if not target.parent.is_dir():
+        raise ExportError(f"The folder {target.parent} for {target.name} does not exist.")
+    if not all(isinstance(n, int) and 16 <= n <= LARGEST for n in (width, height)):
+        raise InputError(
+            f"Width and height must be whole pixels from 16 to {LARGEST}, got {width} x {height}."
+        )
+    if not all(math.isfinite(n) for n in view) or view[2] <= 0:
+        raise InputError(
+            "Azimuth and elevation must be finite and zoom positive, "
+            f"got {view[0]}, {view[1]} and {view[2]}."
+        )
+    try:
+        return tuple(cq.Color(background).toTuple()[:3])
+    except (ValueError, TypeError) as error:
+        raise InputError(
+            f"Unknown background colour {background!r}: give a name, or #rrggbb."
+        ) from error
+
+
+def _scene(shapes: list[Part], edges: bool) -> dict[str, NDArray[Any]]:
+    """Triangulate parts into the arrays that ``_draw.py`` reads."""
+    points, triangles, lines, colors = [], [], [], []
+    start = 0
+    for shape, color in shapes:
+        part_points, part_triangles, part_lines = _triangulated(shape)
+        strokes_only = not len(part_triangles)
+        points.append(part_points)
+        triangles.append(part_triangles + start)
+        lines.append(part_lines[: None if edges or strokes_only else 0] + start)
+        colors.append(color.toTuple() if color else PLYWOOD)
+        start += len(part_points)
+    rgba = np.array(colors)
+    dark = rgba * (EDGE_DARKNESS, EDGE_DARKNESS, EDGE_DARKNESS, 1.0)
+    middle = np.concatenate(points)
+    middle -= (middle.min(axis=0) + middle.max(axis=0)) / 2
+    return {
+        "points": middle,
+        "triangles": np.concatenate(triangles),
+        "triangle_colors": _bytes(rgba, triangles),
+        "lines": np.concatenate(lines),
+        "line_colors": _bytes(dark, lines),
+    }
+
+
+def _triangulated(shape: cq.Shape) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return a shape's points, triangles and edge lines."""
+    data = shape.toVtkPolyData(DEVIATION, TURN)
+    # a point comes once for every face and edge; round faces blend only over common ones
+    points, merged = np.unique(from_vtk(data.GetPoints().GetData()), axis=0, return_inverse=True)
+    triangles = merged[from_vtk(data.GetPolys().GetConnectivityArray())].reshape(-1, 3)
+    along = merged[from_vtk(data.GetLines().GetConnectivityArray())]
+    ends = from_vtk(data.GetLines().GetOffsetsArray())[1:-1]  # where a polyline gives way
+    lines = np.delete(np.stack([along[:-1], along[1:]], axis=1), ends - 1, axis=0)
+    return points.astype(float), triangles, np.unique(np.sort(lines, axis=1), axis=0)
+
+
+def _bytes(colors: NDArray[Any], cells: list[NDArray[Any]]) -> NDArray[np.uint8]:
+    """Repeat each part's colour for each of its cells."""
+    as_bytes: NDArray[np.uint8] = np.rint(255 * colors).astype(np.uint8)
+    return np.repeat(as_bytes, [len(part) for part in cells], axis=0)
+
+
+def _drawn(scene: dict[str, NDArray[Any]]) -> bytes:
+    """Run ``_draw.py``: without a way to draw VTK takes its whole process down."""
+    packed = io.BytesIO()
+    np.savez(packed, **scene)  # type: ignore[arg-type]
+    environment = dict(os.environ)
+    if sys.platform == "linux":
+        environment.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    program = Path(__file__).with_name("_draw.py")
+    done = subprocess.run(
+        [sys.executable, "-P", str(program)],
+        input=packed.getvalue(),
+        capture_output=True,
+        env=environment,
+        check=False,
+    )
+    if done.returncode or not done.stdout.startswith(b"\x89PNG"):
+        said = done.stderr.decode(errors="replace").strip().splitlines()
+        raise ViewerError(
+            f"{NO_BACKEND} The drawing process ended with {done.returncode}"
+            + (f" and said: {said[-1].strip()}" if said else ".")
+        )
+    return done.stdout
+
+
+def _replace(target: Path, data: bytes) -> None:
+    """Write beside the target and rename, so that a failure leaves the old file."""
+    beside = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        beside.write_bytes(data)
+        beside.replace(target)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise ExportError(f"{target} could not be written: {error.strerror}.") from error

@@ -1,0 +1,148 @@
+"""The parent of a job: starts the worker, passes on what it says, ends it at once.
+
+The parent loads no kernel. Whatever ends the wait for the worker (an error, Ctrl-C) kills it,
+with every process that it started.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from typing import IO, Any
+
+from ifs_cad import errors
+from ifs_cad.errors import IfsCadError, WorkerError
+
+# The worker imports from where we do, wherever it is started: not from its current folder.
+START = "import sys; sys.path[:] = sys.argv[1:]; from ifs_cad.workflow.worker import main; main()"
+POLL_SECONDS = 0.1
+LAST_WORDS = 10  # lines
+
+
+class Listener:
+    """Hears what a job says; this one keeps it to itself.
+
+    Attributes
+    ----------
+    heard : str
+        What the script printed so far.
+    """
+
+    def __init__(self) -> None:
+        self.heard = ""
+
+    def stage(self, name: str, done: int, total: int | None) -> None:
+        """Hear how far a stage has come; see `ifs_cad.progress.report`."""
+
+    def text(self, line: str, stream: str) -> None:
+        """Hear a line that a script printed to "stdout" or "stderr"."""
+        self.heard += f"{line}\n"
+
+
+def run(job: str, arguments: dict[str, Any], listener: Listener) -> dict[str, Any]:
+    """Run a job of `worker` in a process of its own and return its result.
+
+    Parameters
+    ----------
+    job : str
+        A key of `worker.JOBS`.
+    arguments : dict
+        Of the job's function; plain JSON.
+    listener : Listener
+
+    Raises
+    ------
+    IfsCadError
+        Whatever the job raised.
+    WorkerError
+        The process died, or the job raised something else.
+    """
+    with tempfile.TemporaryFile() as complaints, _worker(complaints) as process:
+        for event in _events(process, {"job": job, "arguments": arguments}):
+            match event:
+                case {"stage": name, "done": done, "total": total}:
+                    listener.stage(name, done, total)
+                case {"text": line, "stream": stream}:
+                    listener.text(line, stream)
+                case {"error": kind, "message": message, "addresses": addresses}:
+                    raised: type[IfsCadError] = getattr(errors, kind, IfsCadError)
+                    raise raised(message, addresses=addresses)
+                case {"result": result}:
+                    return dict(result)
+        complaints.seek(0)
+        raise _death(process.wait(), complaints.read().decode(errors="replace"))
+
+
+@contextlib.contextmanager
+def _worker(complaints: IO[bytes]) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        [sys.executable, "-c", START, *sys.path],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=complaints,
+        encoding="utf-8",
+        # A group of its own: Ctrl-C reaches the parent only, and the whole group can be killed.
+        start_new_session=True,
+        creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
+    )
+    try:
+        yield process
+    finally:
+        _kill(process)
+        process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with contextlib.suppress(OSError):  # what the dead worker did not read
+                pipe.close()  # type: ignore[union-attr]
+
+
+def _kill(process: subprocess.Popen[str]) -> None:
+    if sys.platform == "win32":
+        process.kill()
+    else:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def _events(process: subprocess.Popen[str], request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Send a request and yield the answers until the worker falls silent."""
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+
+    def talk() -> None:
+        assert process.stdin is not None and process.stdout is not None
+        with contextlib.suppress(OSError):  # a dead worker: the parent will see that it is silent
+            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.flush()  # and left open: its end tells the worker that we are gone
+        for line in process.stdout:
+            lines.put(line)
+        lines.put(None)
+
+    threading.Thread(target=talk, daemon=True).start()
+    while True:
+        try:
+            # not a read of the pipe, which Ctrl-C cannot interrupt on Windows
+            line = lines.get(timeout=POLL_SECONDS)
+        except queue.Empty:
+            continue
+        if line is None:
+            return
+        yield json.loads(line)
+
+
+def _death(code: int, said: str) -> WorkerError:
+    how = f"ended with {code}"
+    if code < 0:
+        name = signal.Signals(-code).name
+        how = f"died of {name}" + (" (did memory run out?)" if name == "SIGKILL" else "")
+    # what Python says of a crash begins with its cause and ends with a page of modules
+    _, crash, trace = said.partition("Fatal Python error")
+    lines = f"{crash}{trace}".splitlines()[:LAST_WORDS] or said.splitlines()[-LAST_WORDS:]
+    words = "".join(f"\n  {line}" for line in lines)
+    return WorkerError(f"The worker process {how}." + (f" It said:{words}" if words else ""))

@@ -1,0 +1,249 @@
+"""The process that does a job: loads the kernel, runs scripts, writes files.
+
+It reads one request, a line of JSON ``{"job": ..., "arguments": {...}}``, from its standard
+input, and writes a line of JSON to its standard output for each event: ``stage`` and ``text``
+while it works, ``result`` or ``error`` at the end. OpenCascade prints to standard output too, so
+the events go through a private copy of it. When the standard input ends, the parent is gone and
+the worker ends itself.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import faulthandler
+import io
+import json
+import os
+import re
+import signal
+import sys
+import threading
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, TextIO
+
+from ifs_cad import progress
+from ifs_cad.errors import IfsCadError, InputError, ScriptError
+from ifs_cad.libraries import load
+
+EVENT_SECONDS = 0.05  # at least, between two reports of the same stage
+STEP_SUFFIXES = {".step", ".stp"}
+PR_SET_PDEATHSIG = 1  # from Linux's <sys/prctl.h>
+
+
+class Channel:
+    """Where the worker's events go, one line of JSON each."""
+
+    def __init__(self, file: TextIO) -> None:
+        self._file = file
+        self._lock = threading.Lock()
+        self._stage = ""
+        self._reported = 0.0
+
+    def send(self, **event: Any) -> None:
+        """Send an event."""
+        with self._lock:
+            self._file.write(json.dumps(event) + "\n")
+            self._file.flush()
+
+    def stage(self, name: str, done: int, total: int | None) -> None:
+        """Send how far a stage has come: its begin, its end, and now and then between."""
+        now = time.monotonic()
+        if name != self._stage or done == total or now - self._reported > EVENT_SECONDS:
+            self._stage, self._reported = name, now
+            self.send(stage=name, done=done, total=total)
+
+
+class Forwarder(io.TextIOBase):
+    """A text stream whose lines become events."""
+
+    def __init__(self, channel: Channel, stream: str) -> None:
+        self._channel = channel
+        self._stream = stream
+        self._begun = ""
+
+    def write(self, text: str) -> int:
+        """Send every line that is complete."""
+        *lines, self._begun = (self._begun + text).split("\n")
+        for line in lines:
+            self._channel.send(text=line, stream=self._stream)
+        return len(text)
+
+    def finish(self) -> None:
+        """Send a last line that was not ended."""
+        if self._begun:
+            self.write("\n")
+
+
+def build(
+    script: str, settings: Mapping[str, str], stage: str, schema: str, flat_panels: bool
+) -> dict[str, Any]:
+    """Run a part script and write what it shows into the folder `stage`."""
+    shown = _shown(script, settings)
+    for number, thing in enumerate(shown, 1):
+        if not thing.has_solids:
+            raise ScriptError(
+                f"{script} showed {thing.name or f'object {number}'}, which has no solid in it: "
+                "nothing to make."
+            )
+    # after the script, so that what it changes in these modules counts
+    from ifs_cad.export.step import export_panels, export_step
+    from ifs_cad.kernel.assembly import modified_parts
+
+    files: list[dict[str, Any]] = []
+    reports: list[str] = []
+    modified: list[str] = []
+    for stem, thing in zip(_stems(script, shown), shown, strict=True):
+        assembly = thing.assembly
+        begin = time.monotonic()
+        made = [export_step(assembly, Path(stage, f"{stem}.step"), schema=schema)]
+        files.append(_written(stage, made, begin))
+        shell = assembly.metadata.get("shell")
+        if shell is None:
+            continue
+        reports.append(str(shell.report()))
+        modified += modified_parts(assembly)
+        if flat_panels:
+            begin = time.monotonic()
+            made = export_panels(assembly, Path(stage, f"{stem}_panels"), schema=schema)
+            files.append(_written(stage, made, begin))
+    if flat_panels and not reports:
+        raise InputError(f"{script} showed no panels of a shell, so none can be laid flat.")
+    return {"files": files, "reports": reports, "modified": modified}
+
+
+def render(
+    source: str, settings: Mapping[str, str], path: str, options: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Draw what a part script shows, or a STEP file, as a PNG."""
+    from ifs_cad.view.render import render as draw
+
+    model = _model(source, settings)
+    progress.report("drawing")
+    draw(model, path, **options)
+    return {}
+
+
+def show(source: str, settings: Mapping[str, str], port: int | None) -> dict[str, Any]:
+    """Send what a part script shows, or a STEP file, to a viewer."""
+    from ifs_cad.view.preview import show as send
+
+    model = _model(source, settings)
+    progress.report("showing")
+    send(model, Path(source).stem, port=port)
+    return {}
+
+
+def check(path: str) -> dict[str, Any]:
+    """Check a STEP file."""
+    checking = load("ifs_cad.workflow.check")
+    progress.report(f"checking {Path(path).name}")
+    report = checking.check_step(path)
+    return {"ok": report.ok, "text": str(report)}
+
+
+JOBS: dict[str, Callable[..., dict[str, Any]]] = {
+    "build": build,
+    "check": check,
+    "render": render,
+    "show": show,
+}
+
+
+def main() -> None:
+    """Read the request, do the job, send its outcome."""
+    faulthandler.enable(all_threads=False)
+    requests = os.fdopen(_private(0, os.O_RDONLY), encoding="utf-8")
+    channel = Channel(os.fdopen(_private(1, os.O_WRONLY), "w", encoding="utf-8"))
+    request = json.loads(requests.readline())
+    _end_with_parent(requests)
+    output, complaints = Forwarder(channel, "stdout"), Forwarder(channel, "stderr")
+    sys.stdin, sys.stdout, sys.stderr = open(0, closefd=False), output, complaints
+    warnings.formatwarning = lambda message, *_, **__: f"Warning: {message}\n"
+    try:
+        with progress.listening(channel.stage):
+            result = JOBS[request["job"]](**request["arguments"])
+    except IfsCadError as error:
+        outcome = _failure(type(error).__name__, str(error), error.addresses)
+    except Exception:
+        outcome = _failure("WorkerError", f"Nobody foresaw this:\n{traceback.format_exc()}")
+    else:
+        outcome = {"result": result}
+    output.finish()
+    complaints.finish()
+    channel.send(**outcome)
+    os._exit(0)  # tearing the kernel down takes time and serves nothing
+
+
+def _shown(script: str, settings: Mapping[str, str]) -> list[Any]:
+    progress.report("loading the CAD kernel")
+    source = load("ifs_cad.workflow.source")
+    progress.report(f"running {Path(script).name}")
+    shown: list[Any] = source.run_script(Path(script), settings)
+    return shown
+
+
+def _model(file: str, settings: Mapping[str, str]) -> Any:
+    """Return what a part script shows, or a STEP file holds, as one assembly."""
+    if Path(file).suffix.lower() not in STEP_SUFFIXES:
+        shown = _shown(file, settings)
+        return load("ifs_cad.workflow.source").together(shown)
+    if settings:
+        raise InputError(f"{file} is no script, so it has no parameters to set.")
+    progress.report("loading the CAD kernel")
+    source = load("ifs_cad.workflow.source")
+    progress.report(f"reading {Path(file).name}")
+    return source.read_step(Path(file))
+
+
+def _stems(script: str, shown: list[Any]) -> list[str]:
+    """Name a file for each thing that a script showed.
+
+    Raises
+    ------
+    ScriptError
+        Two would get the same name.
+    """
+    stem = Path(script).stem
+    if len(shown) == 1:
+        return [stem]
+    names = [re.sub(r"[^\w.-]+", "_", thing.name) or str(n) for n, thing in enumerate(shown, 1)]
+    if len({name.casefold() for name in names}) < len(names):
+        raise ScriptError(
+            f"{script} showed {len(names)} things named {', '.join(names)}. Each becomes a file, "
+            "so each needs a name of its own: show_object(thing, name=...)."
+        )
+    return [f"{stem}_{name}" for name in names]
+
+
+def _written(stage: str, paths: list[Path], begin: float) -> dict[str, Any]:
+    """Describe files by their places within the stage and the time they took."""
+    places = [path.relative_to(stage).as_posix() for path in paths]
+    return {"places": places, "seconds": time.monotonic() - begin}
+
+
+def _private(descriptor: int, flags: int) -> int:
+    """Return a copy of a standard stream, which itself leads nowhere from now on."""
+    copy = os.dup(descriptor)
+    nowhere = os.open(os.devnull, flags)
+    os.dup2(nowhere, descriptor)
+    os.close(nowhere)
+    return copy
+
+
+def _end_with_parent(requests: TextIO) -> None:
+    if sys.platform == "linux":  # at once, even while the kernel holds the interpreter lock
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+    def wait() -> None:
+        requests.read()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def _failure(kind: str, message: str, addresses: Iterable[str] = ()) -> dict[str, Any]:
+    return {"error": kind, "message": message, "addresses": list(addresses)}
