@@ -24,7 +24,7 @@ lint: $(VENV)/.installed-for-development
 	$(BIN)/mypy
 
 bench: $(VENV)/.installed-for-development
-	$(BIN)/python -m pytest benchmarks --benchmark-only --benchmark-group-by=group
+	$(BIN)/python benchmarks/run.py
 
 clean:
 	find exports -mindepth 1 ! -name .gitkeep -delete

@@ -17,8 +17,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
+import ifs_cad as ifs
 from ifs_cad.errors import ExportError, InputError, ViewerError
 from ifs_cad.view import _draw
+from ifs_cad.view._assembly import parts, viewable
+from ifs_cad.view._triangulate import triangulate
 from ifs_cad.view.render import render
 
 Image = pytest.importorskip("PIL.Image", reason="pillow is not installed")
@@ -92,6 +95,42 @@ def test_a_vault_fills_the_frame_in_its_colours_and_is_not_cropped(tmp_path: Pat
         assert near(picture, color) > 0.02
 
 
+def test_a_box_is_twelve_triangles_and_its_edges_seen_from_both_faces() -> None:
+    [box] = triangulate([cq.Solid.makeBox(10, 20, 30)])
+    a, b, c = np.moveaxis(box.points[box.triangles], 1, 0)
+    assert len(box.triangles) == 12
+    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 == pytest.approx(2200)
+    lengths = np.linalg.norm(np.ptp(box.points[box.lines], axis=1), axis=1)
+    assert sorted(lengths) == pytest.approx([10] * 8 + [20] * 8 + [30] * 8)
+
+
+def test_the_same_shape_in_two_places_is_drawn_in_both() -> None:
+    box = cq.Solid.makeBox(10, 20, 30).moved(cq.Location((5, 0, 0)))
+    places = [cq.Location((0, 0, 0)), cq.Location((100, 0, 0), (0, 0, 1), 90)]
+    here, there = triangulate([box.moved(place) for place in places])
+    assert here.points.min(axis=0) == pytest.approx([5, 0, 0])
+    assert here.points.max(axis=0) == pytest.approx([15, 20, 30])
+    assert there.points.min(axis=0) == pytest.approx([80, 5, 0])
+    assert there.points.max(axis=0) == pytest.approx([100, 15, 30])
+
+
+def test_the_seam_of_a_round_face_is_no_edge() -> None:
+    [cylinder] = triangulate([cq.Solid.makeCylinder(10, 30)])
+    ends = cylinder.points[cylinder.lines]
+    assert np.ptp(ends[..., 2], axis=1).max() == pytest.approx(0)
+    assert np.linalg.norm(ends[..., :2], axis=-1) == pytest.approx(np.full(ends.shape[:2], 10.0))
+
+
+def test_an_edge_without_a_face_is_lines() -> None:
+    both = cq.Compound.makeCompound(
+        [cq.Edge.makeLine(cq.Vector(0, 0, 50), cq.Vector(0, 7, 50)), cq.Solid.makeBox(1, 1, 1)]
+    )
+    [mesh] = triangulate([both])
+    assert len(mesh.triangles) == 12
+    high = mesh.points[mesh.lines[(mesh.points[mesh.lines][..., 2] > 10).all(axis=1)]]
+    assert high.tolist() == [[[0, 0, 50], [0, 7, 50]]]
+
+
 @given(
     points=arrays(float, (5, 3), elements=st.floats(-1e4, 1e4)),
     azimuth=st.floats(-360, 360),
@@ -143,7 +182,7 @@ def test_z_is_up_and_the_camera_stands_at_its_azimuth(tmp_path: Path) -> None:
 def test_zoom_enlarges_about_the_middle(tmp_path: Path) -> None:
     ball = cq.Workplane().sphere(10)
     for zoom in (0.5, 0.75):
-        render(ball, tmp_path / "v.png", zoom=zoom, **SMALL)
+        render(ball, tmp_path / "v.png", elevation=0.0, zoom=zoom, **SMALL)
         assert share(colorful(pixels(tmp_path / "v.png")))[0] == pytest.approx(
             0.92 * zoom, abs=0.02
         )
@@ -224,15 +263,17 @@ def test_nothing_is_left_beside_the_picture(tmp_path: Path) -> None:
 def test_an_unwritable_target_is_an_error_and_stays_as_it_was(tmp_path: Path) -> None:
     target = tmp_path / "v.png"
     (target / "inside").mkdir(parents=True)
-    with pytest.raises(ExportError, match="could not be written"):
+    with pytest.raises(ExportError, match="Cannot write"):
         render(cq.Workplane().box(1, 1, 1), target, **SMALL)
     assert [path.name for path in tmp_path.iterdir()] == ["v.png"]
     assert (target / "inside").is_dir()
 
 
-def test_a_missing_folder_is_an_error_before_anything_is_drawn(tmp_path: Path) -> None:
-    with pytest.raises(ExportError, match="does not exist"):
-        render(cq.Workplane().box(1, 1, 1), tmp_path / "none" / "v.png")
+@draws
+def test_a_missing_folder_is_made(tmp_path: Path) -> None:
+    target = tmp_path / "none" / "v.png"
+    render(cq.Workplane().box(1, 1, 1), target, **SMALL)
+    assert pixels(target).shape == (200, 320, 3)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux chooses among backends")
@@ -276,11 +317,31 @@ def test_another_format_is_refused(tmp_path: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "thing", [42, cq.Assembly(), cq.Workplane()], ids=["number", "assembly", "workplane"]
+    "thing",
+    [42, cq.Assembly(), cq.Workplane(), cq.Vertex.makeVertex(1, 2, 3)],
+    ids=["number", "assembly", "workplane", "vertex"],
 )
 def test_a_thing_without_a_shape_is_refused(tmp_path: Path, thing: Any) -> None:
     with pytest.raises(InputError, match=r"looked at|look at"):
         render(thing, tmp_path / "v.png")
+
+
+def test_a_failure_of_the_drawing_program_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "numpy.py").write_text("raise ImportError('numpy is broken')\n")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    with pytest.raises(ViewerError, match="Drawing failed with ImportError: numpy is broken"):
+        render(cq.Workplane().box(1, 1, 1), tmp_path / "v.png", **SMALL)
+
+
+@draws
+def test_a_shell_is_drawn_as_its_panels(tmp_path: Path) -> None:
+    points = np.array([[0, 0, 0], [300, 0, 200], [700, 0, 200], [1000, 0, 0]])
+    shell = ifs.thicken(ifs.vector_sum(points, points[:, [1, 0, 2]]), 20.0)
+    assert len(parts(viewable(shell))) == len(shell) == 9
+    render(shell, tmp_path / "v.png", **SMALL)
+    assert near(pixels(tmp_path / "v.png"), WOOD) > 0.1
 
 
 @draws

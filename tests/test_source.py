@@ -6,7 +6,7 @@ import cadquery as cq
 import pytest
 
 from ifs_cad.errors import InputError, ScriptError
-from ifs_cad.workflow.source import read_step, run_script, together
+from ifs_cad.kernel.source import read_step, run_script, together
 
 PARAMETERS = """
 import cadquery as cq
@@ -135,7 +135,10 @@ def test_future_imports_of_the_package_do_not_reach_the_script(run):
             "import cadquery as cq\n\ncq.Workplane().box(1, 1, 1).edges('?')\n",
             "line 3: ParseException: ",
         ),
-        ("def f():\n    raise ValueError('thin')\nf()\n", "line 2: ValueError: thin\n    raise Val"),
+        (
+            "def f():\n    raise ValueError('thin')\nf()\n",
+            "line 2: ValueError: thin\n    raise Val",
+        ),
         ("raise SystemExit(3)\n", "line 1: SystemExit: 3\n    raise SystemExit(3)"),
         ("assert 1 == 2\n", "line 1: AssertionError\n    assert 1 == 2"),
         ("x = 1\ny = (\n", "line 2: SyntaxError: '(' was never closed\n    y = ("),
@@ -170,7 +173,10 @@ def test_script_that_shows_nothing_to_make_is_an_error(run, text, said):
 
 def test_script_that_is_not_text_is_an_error(run):
     run.path.write_bytes(b"\x00\xff\xfe")
-    with pytest.raises(ScriptError, match="part.py"):
+    with pytest.raises(ScriptError, match=r"part\.py: SyntaxError: invalid or missing encoding"):
+        run_script(run.path, {})
+    run.path.write_bytes(b"x = 1\0")
+    with pytest.raises(ScriptError, match=r"part\.py.*null bytes"):
         run_script(run.path, {})
 
 

@@ -35,7 +35,7 @@ NAMED_IN_MESSAGES = 8
 Faces = IntArray | Sequence[Sequence[int] | IntArray]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
     """Planar convex polygons that share vertices.
 
@@ -106,6 +106,9 @@ class Mesh:
             object.__setattr__(self, "lattice", frozen(self.lattice))
         self._require_sound_faces()
         self.twin  # noqa: B018  raises ManifoldError now rather than on first use
+
+    def __repr__(self) -> str:
+        return f"<Mesh of {len(self)} faces, {len(self.vertices)} vertices>"
 
     def __len__(self) -> int:
         """Return the number of faces."""
@@ -305,9 +308,12 @@ class Mesh:
         InputError
             Nothing would be left.
         """
-        gone = matching(self.addresses, patterns)
+        return self.less(matching(self.addresses, patterns))
+
+    def less(self, gone: BoolArray) -> Mesh:
+        """Return the mesh without the faces for which the (f,) bools are set; see `without`."""
         if gone.all():
-            raise InputError(f"Leaving out {patterns!r} leaves no face at all.")
+            raise InputError(f"Leaving out all {len(self)} faces leaves no mesh.")
         keep = ~gone[self.face]
         alone = self.opened | ((self.twin >= 0) & gone[self.face[self.twin]])
         used, corners = np.unique(self.corners[keep], return_inverse=True)

@@ -160,7 +160,7 @@ def read_curve(curve: Any, name: str) -> tuple[FloatArray, Structure]:
         See `vector_sum`.
     """
     if isinstance(curve, DiscreteCurve):
-        return curve.homogeneous, curve.word_structure
+        return np.asarray(curve.homogeneous, dtype=float), curve.word_structure
     if hasattr(curve, "val"):  # a Workplane with the wire on its stack
         curve = curve.val()
     if hasattr(curve, "geomType"):  # a cadquery shape, without importing cadquery here

@@ -47,7 +47,7 @@ class CuttingFrames:
     @property
     def origins(self) -> FloatArray:
         """(p, 3) float, where the origins of the frames lie in the shell, mm."""
-        return -np.einsum("pji,pj->pi", self.axes, self.offsets)
+        return np.asarray(-np.einsum("pji,pj->pi", self.axes, self.offsets))
 
 
 @dataclass(frozen=True, eq=False)

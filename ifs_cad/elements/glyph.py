@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 
@@ -36,6 +37,7 @@ from ifs_cad.types import FloatArray
 __all__ = [
     "BAR_DROP",
     "CHARACTERS",
+    "DOT_RADIUS",
     "MAX_CUTTER_RATIO",
     "SPACING",
     "Glyph",
@@ -44,6 +46,7 @@ __all__ = [
     "glyph",
     "text_paths",
     "text_positions",
+    "traced",
 ]
 
 MAX_CUTTER_RATIO = 0.25
@@ -54,6 +57,9 @@ SPACING = MAX_CUTTER_RATIO + 0.1
 
 BAR_DROP = SPACING
 """Distance from the lowest stroke of the text to the bar, cap heights."""
+
+DOT_RADIUS = 0.05
+"""Radius of the ring that stands for a dot where strokes are only drawn, cap heights."""
 
 _DESCENT = 0.35
 _DESCENDING = frozenset("gjpqy")
@@ -193,8 +199,9 @@ def text_positions(text: str) -> tuple[FloatArray, float]:
     """
     if not text.strip():
         raise LabelError(f"The text {text!r} has nothing to engrave.")
-    ends = np.cumsum([glyph(character).advance for character in text])
-    return np.concatenate([[0.0], ends[:-1]]), float(ends[-1] - SPACING)
+    advances = [glyph(character).advance for character in text]
+    # Texts of the same characters in any order get the same width to the last bit, and one bar.
+    return np.cumsum([0.0, *advances[:-1]]), math.fsum([*advances, -SPACING])
 
 
 def text_paths(text: str) -> tuple[tuple[Path, ...], float]:
@@ -233,6 +240,19 @@ def bar(width: float, descent: float = 0.0) -> Path:
     overhang = max(0.0, _SHORTEST_BAR - width) / 2
     y = -descent - BAR_DROP
     return Path(np.array([(-overhang, y), (width + overhang, y)]), np.zeros(1))
+
+
+def traced(paths: Iterable[Path]) -> tuple[Path, ...]:
+    """Return strokes of cap height 1 with every dot as a small ring.
+
+    STEP has no place for a lone point among drawn curves, and no tool follows one.
+    """
+    return tuple(_ring(path) if len(path.vertices) == 1 else path for path in paths)
+
+
+def _ring(dot: Path) -> Path:
+    poles = dot.vertices + [(DOT_RADIUS, 0.0), (-DOT_RADIUS, 0.0)]
+    return Path(poles, np.ones(2), closed=True)
 
 
 def _read_stroke(notation: str) -> Path:

@@ -48,6 +48,7 @@ __all__ = [
     "outline",
 ]
 
+
 @dataclass(frozen=True, eq=False)
 class Region:
     """One connected pocket.

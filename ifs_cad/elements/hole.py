@@ -104,7 +104,7 @@ def place_holes(
     present = meets & (slack >= -tol.planar).all(axis=2)
     few = present.sum(axis=1) < holes.fewest
     if few.any():
-        names = [addresses[i] for i in np.flatnonzero(few)]
+        names = [addresses[i] for i in np.flatnonzero(few).tolist()]
         raise HoleError(
             f"Panels with room for fewer than {holes.fewest} holes {holes.inset:g} mm from their "
             f"sides: {listed(names)}. Use a smaller inset.",

@@ -25,6 +25,7 @@ from ifs_cad.elements.glyph import (
     descent,
     text_paths,
     text_positions,
+    traced,
 )
 from ifs_cad.elements.hole import HolePlaces
 from ifs_cad.elements.panel import Face, require_face
@@ -119,11 +120,12 @@ class LabelPlaces:
     origins: FloatArray = field(repr=False)
 
     def strokes(self, index: int) -> tuple[Path, ...]:
-        """Return the strokes of one label and of its bar, in its frame, mm."""
+        """Return the strokes of one label and of its bar, in its frame, mm; dots are rings."""
         text = self.texts[index]
         paths, width = text_paths(text)
         height = float(self.heights[index])
-        return tuple(path.scaled(height) for path in (*paths, bar(width, descent(text))))
+        lines = traced((*paths, bar(width, descent(text))))
+        return tuple(path.scaled(height) for path in lines)
 
 
 def place_labels(

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, cast, get_args
 
 import numpy as np
 
@@ -130,7 +130,7 @@ class Shell:
         """(corners,) float, degrees, of the mesh's half-edges."""
         normal = self.mesh.normals[self.mesh.face]
         square = cross(normal, self.mesh.directions)
-        return np.degrees(np.arctan2(-dot(self.cuts, normal), dot(self.cuts, square)))
+        return np.degrees(np.arctan2(dot(self.cuts, normal), dot(self.cuts, square)))
 
     @cached_property
     def corner_rises(self) -> FloatArray:
@@ -254,7 +254,13 @@ class Shell:
             No address matches.
         """
         remake: Callable[[Mesh], Shell] = self.thickening
-        return remake(self.mesh.without(patterns))
+        gone = np.zeros(len(self.mesh), dtype=np.bool_)
+        gone[self.faces[matching(self.addresses, patterns)]] = True
+        rest = remake(self.mesh.less(gone))
+        made = np.zeros(len(self.mesh), dtype=np.bool_)
+        made[self.faces] = True
+        kept = made[~gone][rest.faces]  # a part stays a part
+        return rest if kept.all() else rest.take(np.flatnonzero(kept))
 
     def part(self, patterns: str | Iterable[str]) -> Shell:
         """Take some panels out as they are, with the chamfers they have in the whole.
@@ -348,9 +354,9 @@ def require_face(face: str) -> Face:
     ------
     InputError
     """
-    if face == "inner" or face == "outer":
-        return face
-    raise InputError(f'A face must be "inner" or "outer", got {face!r}.')
+    if face not in get_args(Face):
+        raise InputError(f'A face must be "inner" or "outer", got {face!r}.')
+    return cast(Face, face)
 
 
 def _extent(values: FloatArray) -> tuple[float, float]:

@@ -116,8 +116,7 @@ def _facets(
 
 def _beyond_a_facet(facets: FloatArray, rays: FloatArray, tol: Tolerance) -> BoolArray:
     """Tell which cones of rays lie wholly beyond one facet of the other cone."""
-    heights = np.einsum("kfi,kri->kfr", facets, rays)
-    return np.asarray(heights.max(axis=2).min(axis=1) <= tol.cone)
+    return np.asarray(_heights(facets, rays).max(axis=0).min(axis=0) <= tol.cone)
 
 
 def _cones_overlap(one: FloatArray, other: FloatArray, tol: Tolerance) -> BoolArray:
@@ -132,13 +131,21 @@ def _cones_overlap(one: FloatArray, other: FloatArray, tol: Tolerance) -> BoolAr
     size = length(candidates)
     valid = size > tol.parallel
     candidates /= np.where(valid, size, 1.0)[..., None]
-    margins = np.einsum("kci,kri->kcr", candidates, both)
+    margins = _heights(candidates, both)
     # the two rays that span a candidate lie in it; rounding must not decide for them
     pick = np.arange(len(first))
-    margins[:, pick, first] = 0.0
-    margins[:, pick, second] = 0.0
-    gap = np.maximum(margins.min(axis=2), -margins.max(axis=2))
-    return np.asarray(np.where(valid, gap, -1.0).max(axis=1, initial=-1.0) < -tol.cone)
+    margins[first, pick] = 0.0
+    margins[second, pick] = 0.0
+    gap = np.maximum(margins.min(axis=0), -margins.max(axis=0))
+    return np.asarray(np.where(valid.T, gap, -1.0).max(axis=0, initial=-1.0) < -tol.cone)
+
+
+def _heights(normals: FloatArray, rays: FloatArray) -> FloatArray:
+    """Return the (r, n, k) heights of (k, r, 3) rays over planes with (k, n, 3) normals.
+
+    The many pairs come last: extrema over a short last axis would take ten times as long.
+    """
+    return np.ascontiguousarray((normals @ rays.swapaxes(1, 2)).transpose(2, 1, 0))
 
 
 def _separating(
@@ -162,18 +169,19 @@ def _separating(
     best, best_margin = _widest(edges)
     between = mesh.normals[mesh.face[one]] - mesh.normals[mesh.face[other]]
     size = length(between)[:, None]
-    plain = between / np.where(size > 0, size, 1.0)
+    flat = size <= tol.parallel  # parallel normals say nothing: the best plane then
+    plain = np.where(flat, best, between / np.where(flat, 1.0, size))
     turned = _margin(-plain, edges) > _margin(plain, edges)
     plain = np.where(turned[:, None], -plain, plain)
     wanted = MARGIN_SHARE * best_margin
-    weak = (_margin(plain, edges) < wanted) | (size[:, 0] <= tol.parallel)
+    weak = _margin(plain, edges) < wanted
     if weak.any():
         plain[weak] = _blended(plain[weak], best[weak], edges[weak], wanted[weak])
     return plain, best_margin
 
 
 def _margin(planes: FloatArray, edges: FloatArray) -> FloatArray:
-    return np.asarray(np.einsum("kri,ki->kr", edges, planes).min(axis=1))
+    return np.asarray(_heights(planes[:, None], edges).min(axis=0)[0])
 
 
 def _widest(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -190,10 +198,10 @@ def _widest(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     candidates = np.stack([*pairs, *triples, *(-triple for triple in triples)], axis=1)
     size = length(candidates)[..., None]
     candidates = candidates / np.where(size > 0, size, 1.0)
-    margins = np.einsum("kci,kri->kcr", candidates, edges).min(axis=2)
-    pick = np.argmax(margins, axis=1)
+    margins = _heights(candidates, edges).min(axis=0)
+    pick = np.argmax(margins, axis=0)
     rows = np.arange(len(edges))
-    return candidates[rows, pick], margins[rows, pick]
+    return candidates[rows, pick], margins[pick, rows]
 
 
 def _blended(

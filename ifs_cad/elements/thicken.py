@@ -140,8 +140,9 @@ class Thickening:
             require_standing(mesh, self.floor, lower, upper, self.tol)
 
         if len(reliefs.corners):
-            reliefs, set_backs = self._with_small_set_backs(mesh, cuts, corners, reliefs)
-            corners = _Corners.between_cuts(mesh, cuts, set_backs)
+            reliefs, set_backs, corners = self._with_small_set_backs(
+                mesh, cuts, set_backs, corners, reliefs
+            )
         plain = self._prismatoids(mesh, corners)
         if len(reliefs.corners):
             whole = self._relieved(mesh, cuts, set_backs, reliefs, corners, plain)
@@ -202,8 +203,13 @@ class Thickening:
         )
 
     def _with_small_set_backs(
-        self, mesh: Mesh, cuts: FloatArray, corners: _Corners, reliefs: Reliefs
-    ) -> tuple[Reliefs, FloatArray]:
+        self,
+        mesh: Mesh,
+        cuts: FloatArray,
+        set_backs: FloatArray,
+        corners: _Corners,
+        reliefs: Reliefs,
+    ) -> tuple[Reliefs, FloatArray, _Corners]:
         """Replace relief cuts too short to be made by a small set-back of the two cut planes."""
         low, high = self.levels
         at = reliefs.corners
@@ -227,14 +233,17 @@ class Thickening:
         short = cut_length < self.tol.relief
         needed = np.where(short & (beyond > 0), beyond / dot(inward, normals), 0.0)
         short &= needed < self.tol.relief
-        set_backs = self._set_backs(mesh, at[short], needed[short])
-        panels = self._prismatoids(mesh, _Corners.between_cuts(mesh, cuts, set_backs))
-        turned = (panels.side_lengths < -self.tol.coincident).any(axis=0)
-        if turned.any():  # an edge too short to give way: there the cut is made all the same
-            short &= ~np.isin(mesh.face[at], panels.solid[turned])
+        if needed[short].any():
             set_backs = self._set_backs(mesh, at[short], needed[short])
+            corners = _Corners.between_cuts(mesh, cuts, set_backs)
+            panels = self._prismatoids(mesh, corners)
+            turned = (panels.side_lengths < -self.tol.coincident).any(axis=0)
+            if turned.any():  # an edge too short to give way: there the cut is made all the same
+                short &= ~np.isin(mesh.face[at], panels.solid[turned])
+                set_backs = self._set_backs(mesh, at[short], needed[short])
+                corners = _Corners.between_cuts(mesh, cuts, set_backs)
         keep = ~short
-        return Reliefs(at[keep], normals[keep], reliefs.mates[keep]), set_backs
+        return Reliefs(at[keep], normals[keep], reliefs.mates[keep]), set_backs, corners
 
     def _set_backs(self, mesh: Mesh, corners: IntArray, more: FloatArray) -> FloatArray:
         """Return the set-back of each cut plane: the clearance, and more at some corners."""
@@ -262,10 +271,11 @@ class Thickening:
             self.clearance,
             dot(corners.base[reliefs.corners] - mesh.positions[reliefs.corners], reliefs.normals),
         )
-        cycle = self._prismatoids(
-            mesh, _Corners.with_reliefs(mesh, cuts, set_backs, reliefs, back)
-        )
-        turned = (cycle.side_lengths < -self.tol.coincident).any(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):  # equal planes meet nowhere
+            cycle = self._prismatoids(
+                mesh, _Corners.with_reliefs(mesh, cuts, set_backs, reliefs, back)
+            )
+            turned = ~(cycle.side_lengths >= -self.tol.coincident).all(axis=0)
         wild = np.zeros(len(mesh), dtype=bool)
         wild[cycle.solid[turned]] = True
         if not wild.any():

@@ -11,20 +11,20 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import Any, Literal, get_args
 
 import cadquery as cq
 from cadquery.occ_impl.assembly import toCAF
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.Interface import Interface_Static
-from OCP.Message import Message, Message_Gravity
 from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.STEPControl import STEPControl_AsIs
 
 from ifs_cad import progress
 from ifs_cad.errors import ExportError, InputError
+from ifs_cad.files import replaced
 from ifs_cad.kernel.assembly import STROKES_SUFFIX
+from ifs_cad.kernel.messages import quiet
 
 Schema = Literal["AP214", "AP242"]
 _SCHEMAS: dict[str, str] = {"AP214": "AP214IS", "AP242": "AP242DIS"}
@@ -64,7 +64,7 @@ def export_step(
     _require_writable_content(assembly)
     target = Path(path)
     progress.report("writing STEP", 0, 1)
-    with _quiet(), _settings(_SCHEMAS[schema], pcurves), replaced(target) as scratch:
+    with quiet(), _settings(_SCHEMAS[schema], pcurves), replaced(target) as scratch:
         _, document = toCAF(assembly, coloredSTEP=True)
         writer = STEPCAFControl_Writer()
         writer.SetColorMode(True)
@@ -116,37 +116,6 @@ def export_panels(
     return written
 
 
-@contextmanager
-def replaced(target: Path) -> Iterator[Path]:
-    """Give a scratch file beside the target that takes its place when the block succeeds.
-
-    Raises
-    ------
-    ExportError
-        The folder or the file cannot be written.
-    """
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        with NamedTemporaryFile(
-            dir=target.parent, prefix=f".{target.name}.", suffix=".part", delete=False
-        ) as handle:
-            scratch = Path(handle.name)
-    except OSError as error:
-        raise ExportError(f"Cannot write {target}: {error.strerror}.") from error
-    try:
-        yield scratch
-        if scratch.stat().st_size == 0:
-            raise ExportError(f"Nothing arrived in {target}. Is the disk full?")
-        scratch.chmod(0o644)
-        os.replace(scratch, target)
-    except OSError as error:
-        if isinstance(error, ExportError):
-            raise
-        raise ExportError(f"Cannot write {target}: {error.strerror}.") from error
-    finally:
-        scratch.unlink(missing_ok=True)
-
-
 def _require_writable_content(assembly: cq.Assembly) -> None:
     names = [part.name for part in assembly.objects.values()]
     foreign = [name for name in names if not name.isascii()]
@@ -183,17 +152,3 @@ def _set(name: str, value: str | int) -> None:
         Interface_Static.SetIVal_s(name, value)
     else:
         Interface_Static.SetCVal_s(name, value)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep OpenCascade's banner off standard output."""
-    printers = list(Message.DefaultMessenger_s().Printers())
-    levels = [printer.GetTraceLevel() for printer in printers]
-    try:
-        for printer in printers:
-            printer.SetTraceLevel(Message_Gravity.Message_Fail)
-        yield
-    finally:
-        for printer, level in zip(printers, levels, strict=True):
-            printer.SetTraceLevel(level)

@@ -66,7 +66,7 @@ def to_assembly(
     red, green, blue = shell.thickening.material.colour
     colour = cq.Color(red, green, blue)
     assembly = cq.Assembly(name=name, metadata={"shell": shell})
-    groups = {(): assembly}
+    groups: dict[tuple[str, ...], cq.Assembly] = {(): assembly}
     made = make_panels(shell, label=label, holes=holes)
     for address, prefix, part, data in zip(
         shell.addresses, prefixes, made, _panel_data(shell), strict=True

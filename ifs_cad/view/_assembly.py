@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import cadquery as cq
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
 
 from ifs_cad.errors import InputError
 
@@ -32,7 +34,7 @@ def viewable(thing: Any) -> cq.Assembly:
         assembly = _shell_assembly(thing)
     if not parts(assembly):
         raise InputError(
-            f"There is nothing to look at in this {type(thing).__name__}: it holds no shape."
+            f"There is nothing to look at in this {type(thing).__name__}: no face and no edge."
         )
     return assembly
 
@@ -42,7 +44,7 @@ def parts(assembly: cq.Assembly) -> list[Part]:
     return [
         (shape.moved(location), color)
         for shape, _, location, color in assembly
-        if not isinstance(shape, cq.Compound) or shape.Vertices()
+        if TopExp_Explorer(shape.wrapped, TopAbs_ShapeEnum.TopAbs_EDGE).More()
     ]
 
 

@@ -7,7 +7,7 @@ stdout; it knows nothing of CAD.
 Arrays of the input
 -------------------
 points : (n, 3) float, mm
-triangles : (t, 3) int, into points; triangles of one part share points, parts do not
+triangles : (t, 3) int, into points; what shares a point is smooth there
 triangle_colors : (t, 4) uint8, RGBA
 lines : (l, 2) int, into points
 line_colors : (l, 4) uint8, RGBA
@@ -52,12 +52,11 @@ to_vtk_ids: Callable[..., Any] = numpy_support.numpy_to_vtkIdTypeArray
 SUPERSAMPLING = 2
 FIELD_OF_VIEW = 18.0  # degrees, vertically: a long lens keeps parallels nearly parallel
 FILL = 0.92  # share of the frame that the model takes in the tighter direction
-SMOOTH_BELOW = 20.0  # degrees: facets of a round surface blend, folds stay crisp
 LINE_WIDTH = 1.0  # pixels
 AMBIENT = 0.4
 LIGHTS = (  # where from, as the camera sees it (right, up, towards it), and how strong
-    ((-0.7, 1.0, 0.8), 0.62),
-    ((1.0, 0.3, 0.8), 0.28),
+    ((-0.7, 1.0, 0.8), 0.5),
+    ((0.6, 0.2, 1.0), 0.36),
     ((0.0, -1.0, 0.3), 0.12),
 )
 OCCLUSION = 0.07  # reach of the dimming in folds and corners, share of the model's size
@@ -71,11 +70,16 @@ def draw(scene: Scene) -> bytes:
     """Return the PNG of a scene: the model over a background, with a soft shadow on the floor."""
     width, height = (int(pixels) for pixels in scene["size"])
     azimuth, elevation, zoom = scene["view"]
-    camera = framing_camera(scene["points"], azimuth, elevation, zoom, width / height)
+    on_floor = scene["points"].copy()
+    on_floor[:, 2] = on_floor[:, 2].min()
+    floor_is_seen = np.sin(np.radians(elevation)) > 0
+    framed = np.concatenate([scene["points"], on_floor]) if floor_is_seen else scene["points"]
+    camera = framing_camera(framed, azimuth, elevation, zoom, width / height)
     color, coverage = photograph(model_renderer(scene), camera, width, height, SUPERSAMPLING)
     floor = np.ones_like(coverage)
-    if camera.GetPosition()[2] > scene["points"][:, 2].min():
-        _, covered = photograph(shadow_renderer(scene), camera, width, height, 1)
+    if floor_is_seen:
+        shadow = shadow_renderer(on_floor, scene["triangles"])
+        _, covered = photograph(shadow, camera, width, height, 1)
         floor -= SHADOW * gaussian_filter(covered, SHADOW_BLUR * width)
     picture = color + ((1.0 - coverage) * floor)[..., None] * scene["background"]
     return png(np.rint(255.0 * np.clip(picture, 0.0, 1.0)).astype(np.uint8))
@@ -173,11 +177,11 @@ def model_renderer(scene: Scene) -> vtkRenderer:
 
 
 def faces_actor(scene: Scene, of_triangles: Array) -> vtkActor:
-    """Return some of the triangles, with the facets of round faces blended."""
+    """Return some of the triangles, smooth where they share points."""
     triangles, colors = scene["triangles"][of_triangles], scene["triangle_colors"][of_triangles]
     normals = vtkPolyDataNormals()
     normals.SetInputData(mesh(scene["points"], triangles, colors))
-    normals.SetFeatureAngle(SMOOTH_BELOW)
+    normals.SplittingOff()
     normals.ConsistencyOff()
     normals.Update()
     faces = actor_of(normals.GetOutput())
@@ -187,12 +191,10 @@ def faces_actor(scene: Scene, of_triangles: Array) -> vtkActor:
     return faces
 
 
-def shadow_renderer(scene: Scene) -> vtkRenderer:
+def shadow_renderer(on_floor: Array, triangles: Array) -> vtkRenderer:
     """Return the model pressed flat onto the floor under it."""
-    points = scene["points"].copy()
-    points[:, 2] = points[:, 2].min()
     renderer = vtkRenderer()
-    renderer.AddActor(actor_of(mesh(points, scene["triangles"])))
+    renderer.AddActor(actor_of(mesh(on_floor, triangles)))
     return renderer
 
 

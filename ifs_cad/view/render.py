@@ -7,30 +7,25 @@ never shown. The camera stands far off with a long lens, z is up, the model fill
 
 from __future__ import annotations
 
-import contextlib
 import io
 import math
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import cadquery as cq
 import numpy as np
 from numpy.typing import NDArray
-from vtkmodules.util import numpy_support
 
-from ifs_cad.errors import ExportError, InputError, ViewerError
+from ifs_cad.errors import InputError, ViewerError
+from ifs_cad.files import replaced
 from ifs_cad.view._assembly import Part, parts, viewable
-
-from_vtk: Callable[[Any], NDArray[Any]] = numpy_support.vtk_to_numpy
+from ifs_cad.view._triangulate import triangulate
 
 PLYWOOD = (0.87, 0.72, 0.53, 1.0)
 EDGE_DARKNESS = 0.35  # an edge is its part's colour times this
-DEVIATION = 1e-3  # of a chord from its curve, share of the part's size
-TURN = 0.2  # radians between chords of a curve
 LARGEST = 4000  # pixels: drawn at twice that, it still fits drivers and memory
 
 NO_BACKEND = (
@@ -66,7 +61,7 @@ def render(
     azimuth, elevation : float, degrees
         Where the camera stands: about z from the x axis, and above the horizon.
     zoom : float
-        1 lets the model fill the frame; more comes nearer and crops it.
+        1 lets the model and the shadow under it fill the frame; more crops them.
     background : str
         A colour's name or ``#rrggbb``.
     edges : bool
@@ -89,7 +84,9 @@ def render(
         "view": np.array([azimuth, elevation, zoom], dtype=float),
         "background": np.array(paper),
     }
-    _replace(target, _drawn(scene))
+    picture = _drawn(scene)
+    with replaced(target) as scratch:
+        scratch.write_bytes(picture)
 
 
 def _checked(
@@ -98,8 +95,6 @@ def _checked(
     """Check what was asked for and return the background as RGB."""
     if target.suffix.lower() != ".png":
         raise InputError(f"A picture is a PNG: the name must end in .png, got {target.name!r}.")
-    if not target.parent.is_dir():
-        raise ExportError(f"The folder {target.parent} for {target.name} does not exist.")
     if not all(isinstance(n, int) and 16 <= n <= LARGEST for n in (width, height)):
         raise InputError(
             f"Width and height must be whole pixels from 16 to {LARGEST}, got {width} x {height}."
@@ -119,39 +114,25 @@ def _checked(
 
 def _scene(shapes: list[Part], edges: bool) -> dict[str, NDArray[Any]]:
     """Triangulate parts into the arrays that ``_draw.py`` reads."""
-    points, triangles, lines, colors = [], [], [], []
-    start = 0
-    for shape, color in shapes:
-        part_points, part_triangles, part_lines = _triangulated(shape)
-        strokes_only = not len(part_triangles)
-        points.append(part_points)
-        triangles.append(part_triangles + start)
-        lines.append(part_lines[: None if edges or strokes_only else 0] + start)
-        colors.append(color.toTuple() if color else PLYWOOD)
-        start += len(part_points)
+    meshes = triangulate([shape for shape, _ in shapes])
+    starts = np.cumsum([0] + [len(mesh.points) for mesh in meshes[:-1]])
+    triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=True)]
+    lines = [
+        # strokes without faces are all there is to see of them
+        (mesh.lines if edges or not len(mesh.triangles) else mesh.lines[:0]) + start
+        for mesh, start in zip(meshes, starts, strict=True)
+    ]
+    colors = [color.toTuple() if color else PLYWOOD for _, color in shapes]
     rgba = np.array(colors)
     dark = rgba * (EDGE_DARKNESS, EDGE_DARKNESS, EDGE_DARKNESS, 1.0)
-    middle = np.concatenate(points)
-    middle -= (middle.min(axis=0) + middle.max(axis=0)) / 2
+    points = np.concatenate([mesh.points for mesh in meshes])
     return {
-        "points": middle,
+        "points": points - (points.min(axis=0) + points.max(axis=0)) / 2,
         "triangles": np.concatenate(triangles),
         "triangle_colors": _bytes(rgba, triangles),
         "lines": np.concatenate(lines),
         "line_colors": _bytes(dark, lines),
     }
-
-
-def _triangulated(shape: cq.Shape) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Return a shape's points, triangles and edge lines."""
-    data = shape.toVtkPolyData(DEVIATION, TURN)
-    # a point comes once for every face and edge; round faces blend only over common ones
-    points, merged = np.unique(from_vtk(data.GetPoints().GetData()), axis=0, return_inverse=True)
-    triangles = merged[from_vtk(data.GetPolys().GetConnectivityArray())].reshape(-1, 3)
-    along = merged[from_vtk(data.GetLines().GetConnectivityArray())]
-    ends = from_vtk(data.GetLines().GetOffsetsArray())[1:-1]  # where a polyline gives way
-    lines = np.delete(np.stack([along[:-1], along[1:]], axis=1), ends - 1, axis=0)
-    return points.astype(float), triangles, np.unique(np.sort(lines, axis=1), axis=0)
 
 
 def _bytes(colors: NDArray[Any], cells: list[NDArray[Any]]) -> NDArray[np.uint8]:
@@ -175,22 +156,9 @@ def _drawn(scene: dict[str, NDArray[Any]]) -> bytes:
         env=environment,
         check=False,
     )
-    if done.returncode or not done.stdout.startswith(b"\x89PNG"):
-        said = done.stderr.decode(errors="replace").strip().splitlines()
-        raise ViewerError(
-            f"{NO_BACKEND} The drawing process ended with {done.returncode}"
-            + (f" and said: {said[-1].strip()}" if said else ".")
-        )
+    if done.returncode == 1:  # by Python: the last line says why
+        reason = done.stderr.decode(errors="replace").strip().splitlines()[-1]
+        raise ViewerError(f"Drawing failed with {reason}")
+    if not done.stdout.startswith(b"\x89PNG"):
+        raise ViewerError(f"{NO_BACKEND} (The drawing process ended with {done.returncode}.)")
     return done.stdout
-
-
-def _replace(target: Path, data: bytes) -> None:
-    """Write beside the target and rename, so that a failure leaves the old file."""
-    beside = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        beside.write_bytes(data)
-        beside.replace(target)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-        raise ExportError(f"{target} could not be written: {error.strerror}.") from error

@@ -11,7 +11,7 @@ from typing import Any
 
 from rich.filesize import decimal
 
-from ifs_cad.errors import ScriptError
+from ifs_cad.errors import ScriptError, WorkerError
 from ifs_cad.workflow.staging import install, staging
 from ifs_cad.workflow.supervise import Listener, run
 
@@ -37,7 +37,7 @@ class Written:
     seconds: float
 
     def __str__(self) -> str:
-        count = "" if self.path.is_file() else f"{self.files} files, "
+        count = "" if self.path.suffix == ".step" else f"{self.files} files, "
         return f"{self.path} ({count}{decimal(self.size)}, {self.seconds:.1f} s)"
 
 
@@ -139,6 +139,8 @@ def build(
             done = run("build", request, listener or Listener())
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"Interrupted; nothing in {folder} was changed.") from None
+        except WorkerError as error:
+            raise WorkerError(f"{error}\nNothing in {folder} was changed.") from error
         written = tuple(
             _install(stage, folder, item["places"], item["seconds"]) for item in done["files"]
         )

@@ -98,9 +98,6 @@ def _worker(complaints: IO[bytes]) -> Iterator[subprocess.Popen[str]]:
     finally:
         _kill(process)
         process.wait()
-        for pipe in (process.stdin, process.stdout):
-            with contextlib.suppress(OSError):  # what the dead worker did not read
-                pipe.close()  # type: ignore[union-attr]
 
 
 def _kill(process: subprocess.Popen[str]) -> None:
@@ -116,12 +113,14 @@ def _events(process: subprocess.Popen[str], request: dict[str, Any]) -> Iterator
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
 
     def talk() -> None:
-        assert process.stdin is not None and process.stdout is not None
-        with contextlib.suppress(OSError):  # a dead worker: the parent will see that it is silent
-            process.stdin.write(json.dumps(request) + "\n")
-            process.stdin.flush()  # and left open: its end tells the worker that we are gone
-        for line in process.stdout:
-            lines.put(line)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        # a worker that is dead already breaks the pipe: the silence tells enough
+        with contextlib.suppress(OSError), process.stdin as requests, process.stdout as answers:
+            requests.write(json.dumps(request) + "\n")
+            requests.flush()  # and left open: its end tells the worker that we are gone
+            for line in answers:
+                lines.put(line)
         lines.put(None)
 
     threading.Thread(target=talk, daemon=True).start()

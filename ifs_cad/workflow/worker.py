@@ -23,11 +23,14 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ifs_cad import progress
 from ifs_cad.errors import IfsCadError, InputError, ScriptError
 from ifs_cad.libraries import load
+
+if TYPE_CHECKING:
+    from ifs_cad.export.step import Schema
 
 EVENT_SECONDS = 0.05  # at least, between two reports of the same stage
 STEP_SUFFIXES = {".step", ".stp"}
@@ -79,7 +82,7 @@ class Forwarder(io.TextIOBase):
 
 
 def build(
-    script: str, settings: Mapping[str, str], stage: str, schema: str, flat_panels: bool
+    script: str, settings: Mapping[str, str], stage: str, schema: Schema, flat_panels: bool
 ) -> dict[str, Any]:
     """Run a part script and write what it shows into the folder `stage`."""
     shown = _shown(script, settings)
@@ -161,7 +164,7 @@ def main() -> None:
     request = json.loads(requests.readline())
     _end_with_parent(requests)
     output, complaints = Forwarder(channel, "stdout"), Forwarder(channel, "stderr")
-    sys.stdin, sys.stdout, sys.stderr = open(0, closefd=False), output, complaints
+    sys.stdin, sys.stdout, sys.stderr = os.fdopen(0, closefd=False), output, complaints
     warnings.formatwarning = lambda message, *_, **__: f"Warning: {message}\n"
     try:
         with progress.listening(channel.stage):
@@ -180,7 +183,7 @@ def main() -> None:
 
 def _shown(script: str, settings: Mapping[str, str]) -> list[Any]:
     progress.report("loading the CAD kernel")
-    source = load("ifs_cad.workflow.source")
+    source = load("ifs_cad.kernel.source")
     progress.report(f"running {Path(script).name}")
     shown: list[Any] = source.run_script(Path(script), settings)
     return shown
@@ -190,11 +193,11 @@ def _model(file: str, settings: Mapping[str, str]) -> Any:
     """Return what a part script shows, or a STEP file holds, as one assembly."""
     if Path(file).suffix.lower() not in STEP_SUFFIXES:
         shown = _shown(file, settings)
-        return load("ifs_cad.workflow.source").together(shown)
+        return load("ifs_cad.kernel.source").together(shown)
     if settings:
         raise InputError(f"{file} is no script, so it has no parameters to set.")
     progress.report("loading the CAD kernel")
-    source = load("ifs_cad.workflow.source")
+    source = load("ifs_cad.kernel.source")
     progress.report(f"reading {Path(file).name}")
     return source.read_step(Path(file))
 

@@ -50,11 +50,20 @@ class Shown:
         return any(shape.Solids() for shape, *_ in self.assembly)
 
 
-class _Collector(cqgi.ScriptCallback):  # type: ignore[misc]
-    """CQGI's, but each call keeps its own options: there all calls share one default dict."""
+class _Collector:
+    """Takes what a script shows. In CQGI's own all calls share one dict of options."""
 
-    def show_object(self, shape: Any, options: Any = None, **kwargs: Any) -> None:
-        super().show_object(shape, {**(options or {}), **kwargs})
+    def __init__(self) -> None:
+        self.shown: list[tuple[Any, str]] = []
+
+    def show_object(
+        self, thing: Any, name: str | None = None, options: Any = None, **_: Any
+    ) -> None:
+        self.shown.append((thing, str(name or (options or {}).get("name") or "")))
+
+
+def _ignore(*_: Any, **__: Any) -> None:
+    """Stand in for the calls of CQGI that make nothing."""
 
 
 class _Signs(ast.NodeTransformer):
@@ -88,14 +97,11 @@ def run_script(path: Path, settings: Mapping[str, str]) -> list[Shown]:
     model.set_param_values(_values(path, model.metadata.parameters, settings))
     collector = _Collector()
     _execute(path, model.ast_tree, collector)
-    if not collector.outputObjects:
+    if not collector.shown:
         raise ScriptError(
-            f"{path} showed nothing to make. Call show_object(assembly, name=\"shell\") in it."
+            f'{path} showed nothing to make. Call show_object(assembly, name="shell") in it.'
         )
-    return [
-        _shown(path, result.shape, str(result.options.get("name") or ""))
-        for result in collector.outputObjects
-    ]
+    return [_shown(path, thing, name) for thing, name in collector.shown]
 
 
 def _parse(path: Path) -> cqgi.CQModel:
@@ -132,7 +138,7 @@ def _values(
             problem = str(error)
         else:
             continue
-        in_order = sorted(parameters.values(), key=lambda parameter: parameter.ast_node.lineno)
+        in_order = sorted(parameters.values(), key=lambda p: getattr(p.ast_node, "lineno", 0))
         listing = "".join(f"\n  {p.name} = {p.default_value!r}" for p in in_order)
         raise InputError(f"{problem} Its parameters are:{listing or ' none.'}")
     return values
@@ -171,8 +177,8 @@ def _execute(path: Path, tree: ast.Module, collector: _Collector) -> None:
         .add_entry("__name__", "__cqgi__")
         .add_entry("__file__", file)
         .add_entry("show_object", collector.show_object)
-        .add_entry("debug", collector.debug)
-        .add_entry("describe_parameter", collector.describe_parameter)
+        .add_entry("debug", _ignore)
+        .add_entry("describe_parameter", _ignore)
         .build()
     )
     # as `python script.py` would: modules beside the script can be imported
@@ -202,7 +208,8 @@ def _located(
     path: Path, line: int | None, error: BaseException, text: str | None, said: str
 ) -> str:
     kind = type(error).__name__
-    what = f"{path}, line {line}: {kind}" + (f": {said}" if said else "")
+    place = f"{path}, line {line}" if line else f"{path}"
+    what = f"{place}: {kind}" + (f": {said}" if said else "")
     return f"{what}\n    {text.strip()}" if text else what
 
 

@@ -1,0 +1,82 @@
+"""Measure what ifs_cad promises, side by side with its peers, and print it as a table.
+
+    python benchmarks/run.py                 all of it, a few minutes
+    python benchmarks/run.py --only ab       some of it, by letter
+    python benchmarks/run.py --quick         fewer repetitions
+    python benchmarks/run.py --strict        exit with 1 when a limit is missed
+    python benchmarks/run.py --write FILE    keep the table as Markdown
+
+Times are the best of repetitions taken in turns (A B A B ...) in one run, so ratios hold on a busy
+machine, too; "noise" is the median wall time over the best time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from table import Line, machine, markdown
+
+PREAMBLE = """\
+# Benchmarks
+
+Made by `python benchmarks/run.py --write benchmarks/results.md` on: {machine}.
+
+Best of repetitions taken in turns (A B A B ...) in one run; the time of a repetition is the smaller
+of its wall and its processor time. Noise is the median wall time over the best time: 1 on a quiet
+machine. The panels are {thickness:g} mm thick, over a rough arch and a rough fold.
+
+"""
+
+
+def main() -> int:
+    """Run what was asked for; return the exit code."""
+    parser = argparse.ArgumentParser(
+        description="Measure ifs_cad side by side with its peers.",
+    )
+    parser.add_argument("--only", default="abcdef", metavar="LETTERS", help="from a to f")
+    parser.add_argument("--quick", action="store_true", help="fewer repetitions")
+    parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
+    arguments = parser.parse_args()
+    lines = []
+    for line in measured(set(arguments.only), quick=arguments.quick):
+        print(f"{line.key}: {line.what}: {' '.join(line.cells()[4:])}", file=sys.stderr)
+        lines.append(line)
+    lines.sort(key=lambda line: line.key)
+    table = markdown(lines)
+    print(f"{machine()}\n\n{table}")
+    if arguments.write is not None:
+        import designs
+
+        head = PREAMBLE.format(machine=machine(), thickness=designs.THICKNESS)
+        arguments.write.write_text(head + table + "\n", encoding="utf-8")
+    missed = [line for line in lines if not line.passed]
+    print(f"\n{len(missed)} of {sum(line.limit is not None for line in lines)} limits missed.")
+    return int(bool(missed) and arguments.strict)
+
+
+def measured(letters: set[str], quick: bool) -> Iterator[Line]:
+    """Measure topic after topic; the numpy one first, before the kernel is loaded."""
+    if "a" in letters:
+        import curves_to_panels
+
+        yield from curves_to_panels.measure(2 if quick else 6)
+    if "b" in letters:
+        import solids
+
+        yield from solids.measure(1 if quick else 4)
+    if letters & set("cde"):
+        import step_file
+
+        yield from (x for x in step_file.measure(1 if quick else 5) if x.key in letters)
+    if "f" in letters:
+        import memory
+
+        yield from memory.measure()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
