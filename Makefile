@@ -1,5 +1,7 @@
 # make shell   the main job: install, then build the prototype shell as one STEP file
 # make test    install, then run every test
+# make bench   speed, size and memory beside the alternatives, as ratios
+# make pictures  draw the pictures of the documentation anew
 # Another interpreter: make shell PYTHON=python3.12
 
 PYTHON  ?= python3
@@ -10,7 +12,7 @@ VENV := .venv
 BIN  := $(VENV)/bin
 PIP  := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: shell test lint bench clean distclean
+.PHONY: shell test lint bench pictures clean distclean
 
 shell: $(VENV)/.installed
 	$(BIN)/ifs-cad build parts/shell_prototype.py -o $(OUT)/
@@ -25,6 +27,9 @@ lint: $(VENV)/.installed-for-development
 
 bench: $(VENV)/.installed-for-development
 	$(BIN)/python benchmarks/run.py
+
+pictures: $(VENV)/.installed-for-development
+	$(BIN)/python docs/make_pictures.py
 
 clean:
 	find exports -mindepth 1 ! -name .gitkeep -delete
@@ -42,7 +47,7 @@ $(VENV)/.installed: $(VENV)/.created pyproject.toml constraints.txt
 
 $(VENV)/.installed-for-development: $(VENV)/.created pyproject.toml constraints.txt
 	@echo "Installing ifs_cad, the CAD kernel and the test tools into $(VENV): a few minutes."
-	@$(PIP) --editable '.[view,test,dev]'
+	@$(PIP) --editable '.[view,mesh,docs,test,dev]'
 	@touch $@
 
 $(VENV)/.created:

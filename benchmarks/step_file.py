@@ -13,7 +13,6 @@ import cadquery as cq
 import designs
 from cadquery.occ_impl.assembly import toCAF
 from OCP.Interface import Interface_Static
-from OCP.Message import Message, Message_Gravity
 from OCP.STEPCAFControl import STEPCAFControl_Writer
 from OCP.STEPControl import STEPControl_AsIs
 from solids import forget_glyphs
@@ -21,6 +20,7 @@ from table import Line, milliseconds
 from timing import interleaved
 
 import ifs_cad as ifs
+from ifs_cad.kernel.messages import quiet
 
 COSTLY_DIGITS = "0245"  # the four with the most faces
 
@@ -120,18 +120,13 @@ def _write(document: Any, path: Path) -> None:
 def _writer_settings() -> Iterator[None]:
     """Let OpenCascade's writer, too, leave out pcurves and its banner."""
     STEPCAFControl_Writer()  # the parameters exist only after the first writer
-    printers = list(Message.DefaultMessenger_s().Printers())
-    levels = [printer.GetTraceLevel() for printer in printers]
     pcurves = Interface_Static.IVal_s("write.surfacecurve.mode")
     try:
         Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
-        for printer in printers:
-            printer.SetTraceLevel(Message_Gravity.Message_Fail)
-        yield
+        with quiet():
+            yield
     finally:
         Interface_Static.SetIVal_s("write.surfacecurve.mode", pcurves)
-        for printer, level in zip(printers, levels, strict=True):
-            printer.SetTraceLevel(level)
 
 
 def _content(path: Path) -> dict[str, int]:

@@ -1,10 +1,15 @@
-"""Make the pictures of the documentation: python docs/make_pictures.py (needs matplotlib)."""
+"""Make the pictures of the documentation and the gallery of all parts.
+
+python docs/make_pictures.py (needs matplotlib)
+"""
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 from runpy import run_path
 
+import cadquery as cq
 import matplotlib as mpl
 import numpy as np
 
@@ -14,7 +19,16 @@ mpl.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402  the backend comes first
 
 HERE = Path(__file__).parent
+PARTS = HERE.parent / "parts"
 PICTURES = HERE / "pictures"
+GALLERY = HERE / "gallery"
+FLAT = 0.05  # of its length: a drawing, seen from above
+FROM_ABOVE, ASLANT = (-90.0, 90.0), (-60.0, 25.0)
+VIEWS = {
+    "shell_prototype": (-38.0, 20.0),
+    "climbing_wall": (-75.0, 12.0),
+    "figure_11_vector_sum": (-125.0, 25.0),
+}
 WOOD, CONTROL, SUBDIVISION = "#b07a3c", "#c0392b", "#2c6fbb"
 
 
@@ -73,16 +87,41 @@ def node() -> None:
 
 
 def prototype() -> None:
-    """Draw the prototype, and the first panels of its foot seen from inside."""
-    script = HERE.parent / "parts" / "shell_prototype.py"
-    made = run_path(str(script), init_globals={"show_object": lambda *_, **__: None})
-    ifs.render(made["assembly"], PICTURES / "shell_prototype.png", azimuth=-38, elevation=20)
-    foot = ifs.to_assembly(made["shell"].part(["00*", "01*"]), label="engraved", holes=ifs.Holes())
+    """Draw the first panels of the prototype's foot, seen from inside."""
+    shell = shown("shell_prototype").metadata["elements"]
+    foot = ifs.to_assembly(shell.part(["00*", "01*"]), label="engraved", holes=ifs.Holes())
     ifs.render(foot, PICTURES / "addresses.png", width=1200, azimuth=20, elevation=-25)
 
 
+def gallery() -> None:
+    """Draw every part, and write the page that shows them."""
+    page = ["# Gallery", "", "Every picture is one script in `parts/`, drawn by `ifs.render`.", ""]
+    for script in sorted(PARTS.glob("*.py")):
+        name = script.stem
+        assembly = shown(name)
+        box = assembly.toCompound().BoundingBox()
+        is_flat = box.zlen < FLAT * max(box.xlen, box.ylen)
+        azimuth, elevation = VIEWS.get(name, FROM_ABOVE if is_flat else ASLANT)
+        path = GALLERY / f"{name}.png"
+        ifs.render(assembly, path, width=1200, height=750, azimuth=azimuth, elevation=elevation)
+        words = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or name
+        page += [f"## {name}", "", words, "", f"![{name}](gallery/{name}.png)", ""]
+    (HERE / "gallery.md").write_text("\n".join(page), encoding="utf-8")
+
+
+def shown(name: str) -> cq.Assembly:
+    """Return what a part script shows."""
+    results: list[cq.Assembly] = []
+    run_path(
+        str(PARTS / f"{name}.py"),
+        init_globals={"show_object": lambda thing, **_: results.append(thing)},
+    )
+    return results[0]
+
+
 if __name__ == "__main__":
-    PICTURES.mkdir(exist_ok=True)
-    for make in (curves, node, prototype):
+    for folder in (PICTURES, GALLERY):
+        folder.mkdir(exist_ok=True)
+    for make in (curves, node, prototype, gallery):
         make()
         print(f"{make.__name__}: done")

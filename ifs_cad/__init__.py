@@ -10,17 +10,23 @@ The method is that of Stotz, Gouaty and Weinand, *Iterative Geometric Design for
 
 from __future__ import annotations
 
+from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from wrapt import when_imported
 
 if TYPE_CHECKING:
+    from ifs_cad.design import classics
     from ifs_cad.design.curve import Curve
     from ifs_cad.design.dome import dome
+    from ifs_cad.design.figure import Figure
+    from ifs_cad.design.germ import Germ
     from ifs_cad.design.mesh import Mesh
+    from ifs_cad.design.meshfile import read_mesh
     from ifs_cad.design.surface import vector_sum
     from ifs_cad.design.transform import Scheme
+    from ifs_cad.elements.beam import WireFrame
     from ifs_cad.elements.clash import clashes
     from ifs_cad.elements.hole import Holes
     from ifs_cad.elements.label import Label
@@ -30,6 +36,8 @@ if TYPE_CHECKING:
     from ifs_cad.errors import IfsCadError
     from ifs_cad.export.step import export_panels, export_step
     from ifs_cad.kernel.assembly import to_assembly
+    from ifs_cad.kernel.drawn import mesh_to_faces, to_dots, to_faces, to_wire, to_wires
+    from ifs_cad.kernel.instance import place_germ
     from ifs_cad.kernel.panels import to_solid
     from ifs_cad.tolerance import Tolerance
     from ifs_cad.types import Plane
@@ -41,6 +49,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Curve",
+    "Figure",
+    "Germ",
     "Holes",
     "IfsCadError",
     "Label",
@@ -51,22 +61,33 @@ __all__ = [
     "Scheme",
     "Shell",
     "Tolerance",
+    "WireFrame",
     "check_step",
     "clashes",
+    "classics",
     "dome",
     "export_panels",
     "export_step",
+    "mesh_to_faces",
+    "place_germ",
+    "read_mesh",
     "render",
     "show",
     "show_object",
     "thicken",
     "to_assembly",
+    "to_dots",
+    "to_faces",
     "to_solid",
+    "to_wire",
+    "to_wires",
     "vector_sum",
 ]
 
 _HOMES = {
     "Curve": "design.curve",
+    "Figure": "design.figure",
+    "Germ": "design.germ",
     "Holes": "elements.hole",
     "IfsCadError": "errors",
     "Label": "elements.label",
@@ -77,19 +98,29 @@ _HOMES = {
     "Scheme": "design.transform",
     "Shell": "elements.panel",
     "Tolerance": "tolerance",
+    "WireFrame": "elements.beam",
     "check_step": "workflow.check",
     "clashes": "elements.clash",
     "dome": "design.dome",
     "export_panels": "export.step",
     "export_step": "export.step",
+    "mesh_to_faces": "kernel.drawn",
+    "place_germ": "kernel.instance",
+    "read_mesh": "design.meshfile",
     "render": "view.render",
     "show": "view.preview",
     "show_object": "view.preview",
     "thicken": "elements.thicken",
     "to_assembly": "kernel.assembly",
+    "to_dots": "kernel.drawn",
+    "to_faces": "kernel.drawn",
     "to_solid": "kernel.panels",
+    "to_wire": "kernel.drawn",
+    "to_wires": "kernel.drawn",
     "vector_sum": "design.surface",
 }
+
+_MODULES = {"classics": "design.classics"}
 
 
 def __getattr__(name: str) -> Any:
@@ -102,6 +133,8 @@ def __getattr__(name: str) -> Any:
         from ifs_cad.libraries import load
 
         value = getattr(load(f"{__name__}.{_HOMES[name]}"), name)
+    elif name in _MODULES:
+        value = import_module(f"{__name__}.{_MODULES[name]}")
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value  # the next access finds it without coming here

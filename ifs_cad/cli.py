@@ -134,11 +134,12 @@ def check(
 
     with display(quiet or as_json) as listener:
         report = run("check", {"path": str(file)}, listener)
+    good = report["data"]["ok"]
     if as_json:
         typer.echo(json.dumps(report["data"], indent=2))
-    elif not quiet:
-        typer.echo(report["text"])
-    if not report["ok"]:
+    elif not (quiet and good):
+        typer.echo(report["text"], err=quiet)
+    if not good:
         raise typer.Exit(1)
 
 

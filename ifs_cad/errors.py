@@ -59,6 +59,10 @@ class ContinuityError(GeometryError):
     """Transformations or a germ that would tear the curve apart."""
 
 
+class ContractionError(GeometryError):
+    """Transformations that do not contract, so that they have no attractor."""
+
+
 class DegenerateSegmentError(GeometryError):
     """A curve segment without length: consecutive points coincide."""
 
@@ -85,6 +89,10 @@ class ConvexityError(GeometryError):
 
 class ManifoldError(GeometryError):
     """An edge with more than two faces, or faces that disagree about which side is out."""
+
+
+class ConstraintError(GeometryError):
+    """A design that does not meet a constraint that it was checked for."""
 
 
 class ThicknessError(GeometryError):

@@ -19,7 +19,7 @@ def boxes(*sizes, at=(0.0, 0.0, 0.0)):
     for size in sizes:
         plan = np.column_stack([square * size[:2], np.zeros(4)]) + at
         base.append(plan)
-        tops.append(plan + [0, 0, size[2]])
+        tops.append(plan + np.array([0, 0, size[2]]))
     count = len(sizes)
     # the side that ends in corner k comes from corner k - 1
     inward = np.array([(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=float)
@@ -137,18 +137,16 @@ def test_clips_equal_the_intersection_of_half_spaces(data, count, cuts):
     sizes = data.draw(numbers((count, 3), 50, 500))
     solids = boxes(*sizes).polyhedra()
     owner = np.arange(count)
-    rows = [planes_of(solids, k) * [1, 1, 1, -1] for k in range(count)]
+    rows = [planes_of(solids, number) * [1, 1, 1, -1] for number in range(count)]
     for _ in range(cuts):
         normals = data.draw(numbers((len(solids), 3), -1, 1))
         normals[np.linalg.norm(normals, axis=1) < 0.1] = [0, 0, 1]
         normals /= np.linalg.norm(normals, axis=1)[:, None]
         share = data.draw(numbers((len(solids), 3), 0.1, 0.9))
         levels = np.einsum("si,si->s", normals, share * sizes[owner])
-        kept = [np.vstack([rows[k], [*-n, d]]) for k, n, d in zip(owner, normals, levels)]
-        rows = [*rows]
+        for number, normal, level in zip(owner, normals, levels, strict=True):
+            rows[number] = np.vstack([rows[number], [*-normal, level]])
         solids, left = clip(solids, normals, levels, Kind.RELIEF, np.full(len(solids), -1))
-        for number, half_spaces in zip(owner, kept, strict=True):
-            rows[number] = half_spaces
         owner = owner[left]
         if len(solids) == 0:
             return

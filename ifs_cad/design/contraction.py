@@ -95,22 +95,21 @@ def contraction(
     Raises
     ------
     InputError
-        Columns that do not sum to 1 (with weights, ask the curve: `Curve.contraction`).
+        A wrong shape, or columns that do not sum to 1 (with weights, ask the curve:
+        `Curve.contraction`).
     SizeError
         More words than fit in memory.
     """
-    if not isinstance(transformations, Scheme):
-        transformations = Scheme.from_transformations(transformations, tol=tol)
-    scheme = transformations
-    sums = scheme.columns.sum(axis=1)
+    matrices = _matrices(transformations)
+    sums = matrices.sum(axis=1)
     if (np.abs(sums - 1.0) > tol.barycentric).any():
         raise InputError(
             f"The columns sum to between {sums.min():.6g} and {sums.max():.6g}, not to 1: with "
             "weights, contraction depends on the control points too. Use Curve.contraction()."
         )
-    length = _length(scheme, length)
-    across = np.linalg.svd(np.ones((1, scheme.size)))[2][1:]  # rows span the sum-zero space
-    maps = across @ scheme.transformations @ across.T
+    length = _length(matrices, length)
+    across = np.linalg.svd(np.ones((1, matrices.shape[1])))[2][1:]  # rows span the sum-zero space
+    maps = across @ matrices @ across.T
     products = maps
     for _ in range(length - 1):
         products = (products[:, None] @ maps).reshape(-1, *maps.shape[1:])
@@ -119,9 +118,13 @@ def contraction(
 
 
 def diameter_contraction(
-    scheme: Scheme, projection: FloatArray, length: int | None = None, *, tol: Tolerance = DEFAULT
+    transformations: Scheme | ArrayLike,
+    projection: FloatArray,
+    length: int | None = None,
+    *,
+    tol: Tolerance = DEFAULT,
 ) -> Contraction:
-    """Report the contraction of a weighted curve by the diameters of its pieces.
+    """Report the contraction of a weighted curve or patch by the diameters of its pieces.
 
     With weights the same product shrinks one piece and not another, so norms of products say
     nothing; sizes in space do. The diameter d(w) of a piece is the largest distance between its
@@ -132,7 +135,7 @@ def diameter_contraction(
 
     Parameters
     ----------
-    scheme : Scheme
+    transformations : Scheme or (N, m, m) float
     projection : (4, m) float
         Homogeneous control points as columns (w, xw, yw, zw).
     length : int, optional
@@ -149,11 +152,13 @@ def diameter_contraction(
     SizeError
         More words than fit in memory.
     """
-    length = _length(scheme, length)
+    matrices = _matrices(transformations)
+    length = _length(matrices, length)
     half = length // 2
     pieces = projection[None]
     for level in range(length + 1):
-        pieces = pieces if level == 0 else scheme.subdivided(pieces)
+        if level:
+            pieces = (pieces[:, None] @ matrices).reshape(-1, *projection.shape)
         if (pieces[:, 0] <= tol.weight * np.abs(pieces[:, 0]).max()).any():
             return Contraction(math.inf, level)
         if level == half:
@@ -171,19 +176,30 @@ def _diameters(pieces: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt((spans**2).sum(axis=1).max(axis=(1, 2))))
 
 
-def _length(scheme: Scheme, length: int | None) -> int:
+def _matrices(transformations: Scheme | ArrayLike) -> FloatArray:
+    """Return (N, m, m) matrices."""
+    if isinstance(transformations, Scheme):
+        return transformations.transformations
+    matrices = np.array(transformations, dtype=float)
+    if matrices.ndim != 3 or matrices.shape[1] != matrices.shape[2]:
+        raise InputError(f"Transformations must have the shape (N, m, m), got {matrices.shape}.")
+    return matrices
+
+
+def _length(matrices: FloatArray, length: int | None) -> int:
     """Return the length of words to look at, within memory."""
+    count, size = matrices.shape[:2]
     if length is None:
         length = 1
-        while length < USUAL_LENGTH and scheme.count ** (length + 1) <= USUAL_WORDS:
+        while length < USUAL_LENGTH and count ** (length + 1) <= USUAL_WORDS:
             length += 1
         return length
     length = whole_number(length, "The length of words", 1)
-    words = math.exp(min(length * math.log(scheme.count), TOO_MANY))
-    needed = words * scheme.size**2 * 3 * np.dtype(float).itemsize * 2
+    words = math.exp(min(length * math.log(count), TOO_MANY))
+    needed = words * size**2 * 3 * np.dtype(float).itemsize * 2
     if needed > MEMORY_LIMIT:
         raise SizeError(
-            f"There are {scheme.count}^{length} words of length {length}; that would take about "
+            f"There are {count}^{length} words of length {length}; that would take about "
             f"{needed / 2**30:.3g} GiB, and the limit is {MEMORY_LIMIT / 2**30:.3g} GiB. Take "
             "shorter words."
         )

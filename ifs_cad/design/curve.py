@@ -21,7 +21,7 @@ control and subdivision points).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import index
@@ -29,13 +29,14 @@ from operator import index
 import numpy as np
 
 from ifs_cad.design.address import Structure, curve_addresses
+from ifs_cad.design.continuity import require_closing
 from ifs_cad.design.contraction import Contraction, contraction, diameter_contraction
 from ifs_cad.design.fold import EvenFold
-from ifs_cad.design.iteration import Iteration
-from ifs_cad.design.reach import germ_through, solve_columns
+from ifs_cad.design.iteration import Iteration, projected
+from ifs_cad.design.reach import germ_through, subdivision_point, with_subdivision_point
 from ifs_cad.design.reading import read_points, read_weights, whole_number
 from ifs_cad.design.transform import Scheme
-from ifs_cad.errors import InputError, WeightError
+from ifs_cad.errors import InputError
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import ArrayLike, FloatArray, frozen, vector
 
@@ -61,7 +62,8 @@ class Curve:
     transformations : int
         N; the de Casteljau scheme split at k/N, a Bezier curve until a subdivision point moves.
     closed : bool
-        Come back to the first control point: it is repeated, with its weight, at the end.
+        Come back to the start: the first control point is repeated, with its weight, at the end;
+        with a scheme for more control points, as many of the first as it needs.
     scheme : Scheme, optional
         Instead of `transformations`.
     germ : (g + 1, m) array, optional
@@ -103,7 +105,6 @@ class Curve:
         tol: Tolerance = DEFAULT,
     ) -> None:
         points = read_points(control_points, "Control points")
-        size = len(points) + bool(closed)
         if len(points) < 2:
             raise InputError(f"A curve needs at least 2 control points, got {len(points)}.")
         if np.abs(points - points[0]).max() <= tol.coincident:
@@ -113,11 +114,12 @@ class Curve:
                 "closed=True repeats the first control point by itself; leave out the last one."
             )
         if scheme is None:
-            scheme = Scheme.de_casteljau(size, transformations)
-        if scheme.size != size:
+            scheme = Scheme.de_casteljau(len(points) + bool(closed), transformations)
+        if closed:
+            require_closing(scheme.ends, len(points), scheme.tol)
+        elif scheme.size != len(points):
             raise InputError(
-                f"The scheme is made for {scheme.size} control points, the curve has {size}"
-                f"{' with its first one repeated' if closed else ''}."
+                f"The scheme is made for {scheme.size} control points, the curve has {len(points)}."
             )
         values = {
             "control_points": frozen(points),
@@ -136,7 +138,7 @@ class Curve:
     def projection(self) -> FloatArray:
         """(4, m) P: homogeneous control points as columns, the first repeated when closed."""
         matrix = np.vstack([self.weights, self.weights * self.control_points.T])
-        return frozen(np.column_stack([matrix, matrix[:, 0]]) if self.closed else matrix)
+        return frozen(matrix[:, np.arange(self.scheme.size) % len(self.weights)])
 
     @cached_property
     def germ_columns(self) -> FloatArray:
@@ -163,7 +165,7 @@ class Curve:
         self._iteration.require_memory()
         return curve_addresses(*self.word_structure)
 
-    @cached_property
+    @property
     def homogeneous(self) -> FloatArray:
         """(n + 1, 4) points of the curve, rows (w, xw, yw, zw).
 
@@ -178,20 +180,27 @@ class Curve:
         DegenerateSegmentError
             Consecutive points coincide.
         """
+        return self._rows_and_points[0]
+
+    @property
+    def points(self) -> FloatArray:
+        """(n + 1, 3) points of the curve, mm. Raises what `homogeneous` raises."""
+        return self._rows_and_points[1]
+
+    @cached_property
+    def _rows_and_points(self) -> tuple[FloatArray, FloatArray]:
         rows = self._iteration.points()
         if self.is_closed:
             rows[-1] = rows[0]
-        self._iteration.require_lengths(rows[:, 1:] / rows[:, :1])
-        return frozen(rows)
-
-    @cached_property
-    def points(self) -> FloatArray:
-        """(n + 1, 3) points of the curve, mm. Raises what `homogeneous` raises."""
-        return frozen(self.homogeneous[:, 1:] / self.homogeneous[:, :1])
+        points = projected(rows)
+        self._iteration.require_lengths(points)
+        return frozen(rows), frozen(points)
 
     @cached_property
     def is_closed(self) -> bool:
         """Whether the curve ends where it starts, P a = P b, in position and in weight."""
+        if self.closed:
+            return True
         (first, *start), (last, *end) = (self.projection @ self.scheme.ends.T).T
         apart = np.abs(np.array(start) / first - np.array(end) / last).max()
         return bool(apart <= self.tol.coincident and abs(last - first) <= self.tol.rank * first)
@@ -205,12 +214,12 @@ class Curve:
         WeightError
             A subdivision point whose weight has vanished.
         """
-        return {name: self._subdivision(name)[1] for name in self.scheme.free_names}
+        return {name: point for name, (_, point) in self._subdivisions()}
 
     @property
     def subdivision_weights(self) -> dict[str, float]:
         """The weights of the subdivision points, by name."""
-        return {name: self._subdivision(name)[0] for name in self.scheme.free_names}
+        return {name: weight for name, (weight, _) in self._subdivisions()}
 
     def at(self, word: str | Sequence[int]) -> FloatArray:
         """Return the points of one element, or of any part, without computing the rest.
@@ -231,23 +240,25 @@ class Curve:
         AddressError
             Too many digits, or a digit that no transformation has.
         """
-        rows = self.homogeneous_at(word)
-        return np.asarray(rows[:, 1:] / rows[:, :1])
+        return projected(self.homogeneous_at(word))
 
     def homogeneous_at(self, word: str | Sequence[int]) -> FloatArray:
         """Return the (k + 1, 4) homogeneous points of one element or part; see `at`."""
         return self._iteration.points(self._iteration.digits(word))
 
+    def gaps(self) -> FloatArray:
+        """Return the distances, mm, between each element's end and the next one's start.
+
+        They are zero but for rounding, since schemes that tear are refused.
+        """
+        return self._iteration.gaps()
+
     def contraction(self, length: int | None = None) -> Contraction:
         """Report whether the pieces shrink from step to step.
 
         Without weights the products of transformations tell (`contraction.contraction`), with
-        weights the diameters of the pieces (`contraction.diameter_contraction`).
-
-        Parameters
-        ----------
-        length : int, optional
-            Length of the words looked at.
+        weights the diameters of the pieces (`contraction.diameter_contraction`), both over words
+        of a given length.
         """
         sums = self.scheme.columns.sum(axis=1)
         weighted = np.ptp(self.weights) > 0.0 or np.abs(sums - 1).max() > self.tol.barycentric
@@ -302,7 +313,8 @@ class Curve:
         Parameters
         ----------
         name : str
-            ``s2``, ``s3``, ...; a shared column moves wherever it stands.
+            ``s2``, ``s3``, ...; a shared column moves wherever it stands, and in a symmetric
+            scheme its mirror image moves with it.
         point : (2,) or (3,) floats, mm, optional
             Its present place by default.
         weight : float, optional
@@ -325,30 +337,33 @@ class Curve:
         ----------
         The paper, section 3.1, figures 8 and 9.
         """
-        row = self.scheme.free_index(name)
-        present = self.scheme.columns[[row]]
-        if weight is None or point is None:
-            present_weight, present_point = self._subdivision(name)
-            weight = present_weight if weight is None else weight
-            point = present_point if point is None else point
-        target = read_points([point], f"Subdivision point {name}")
-        share = read_weights([weight], 1)
-        column = solve_columns(
-            self.projection, present, target, share, project=project, tol=self.tol
+        scheme = with_subdivision_point(
+            self.scheme, self.projection, name, point, weight, project=project, tol=self.tol
         )
-        return replace(self, scheme=self.scheme.with_column(name, column[0]))
+        return replace(self, scheme=scheme)
+
+    def with_scheme(self, scheme: Scheme) -> Curve:
+        """Return the curve of the same control points by other transformations.
+
+        `subdivision.SubdivisionSets` goes from one scheme to another by a single number.
+        """
+        return replace(self, scheme=scheme)
+
+    def with_symmetry(self) -> Curve:
+        """Return the curve with each subdivision point tied to its mirror image.
+
+        From then on moving one moves the other. Over control points that are symmetric in space
+        the curve is symmetric. See `Scheme.with_symmetry`, also for what it raises.
+        """
+        return replace(self, scheme=self.scheme.with_symmetry())
 
     def with_roughness(self, roughness: float) -> Curve:
-        """Return the curve rougher or smoother, by moving subdivision points.
+        """Return the curve rougher or smoother, by moving subdivision points off their chords.
 
-        Every free subdivision point that is not a joint moves along the line from its chord: with
-        lin_j the point at share j/(m-1) of the chord of its piece (from first to last column of
-        T_k), ``c_j -> lin_j + (1 + 3 r) (c_j - lin_j)``. With three control points and two
-        transformations, detail then shrinks by (1 + 3 r)/4 from step to step instead of 1/4:
-        r = 0 leaves a smooth Bezier curve, r = 1/3 makes the profile of Takagi (halving), towards
-        r = 1 the curve contracts no more, and r = -1/3 puts the points on the chords.
-
-        It acts on the curve as it is, so factors multiply: r and then q is (1 + 3 r)(1 + 3 q).
+        See `Scheme.with_roughness`. With three control points and two transformations, detail
+        shrinks by (1 + 3 r)/4 from step to step instead of 1/4: r = 0 leaves a smooth Bezier
+        curve, r = 1/3 makes the profile of Takagi (halving), towards r = 1 the curve contracts no
+        more. It acts on the curve as it is, so factors multiply: r, then q, is (1 + 3 r)(1 + 3 q).
 
         Parameters
         ----------
@@ -416,13 +431,6 @@ class Curve:
             self.projection, self.scheme, self.depth, self.germ_columns, self.fold, self.tol
         )
 
-    def _subdivision(self, name: str) -> tuple[float, FloatArray]:
-        """Return weight and place of a subdivision point."""
-        weight, *scaled = self.projection @ self.scheme.columns[self.scheme.index(name)]
-        if not weight > self.tol.weight * self.weights.max():
-            raise WeightError(
-                f"Subdivision point {name} has the weight {weight:.3g}, so it has no place. Give "
-                "it a place and a positive weight.",
-                weight=float(weight),
-            )
-        return float(weight), np.array(scaled) / weight
+    def _subdivisions(self) -> Iterator[tuple[str, tuple[float, FloatArray]]]:
+        for name in self.scheme.free_names:
+            yield name, subdivision_point(self.scheme, self.projection, name, tol=self.tol)

@@ -52,8 +52,6 @@ class Mesh:
     chain_ends : ints, optional
         Border vertices at which one border ends and the next begins (the four corners of a
         vector sum); without them every border loop is one chain.
-    opened : (corners,) bools, optional
-        Half-edges that became borders because panels were left out.
     origin : (Mesh, (v,) ints), optional
         Set by `without`: the whole mesh, and which of its vertices these are.
     tol : Tolerance
@@ -75,7 +73,6 @@ class Mesh:
     addresses: tuple[str, ...] = ()
     lattice: IntArray | None = field(default=None, repr=False)
     chain_ends: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64), repr=False)
-    opened: BoolArray = field(default_factory=lambda: np.empty(0, dtype=np.bool_), repr=False)
     origin: tuple[Mesh, IntArray] | None = field(default=None, repr=False)
     tol: Tolerance = field(default=DEFAULT, repr=False)
     corners: IntArray = field(init=False, repr=False)
@@ -92,12 +89,10 @@ class Mesh:
                 f"{len(sizes)} faces need as many different addresses, got {len(addresses)} of "
                 f"which {len(set(addresses))} differ."
             )
-        opened = self.opened if len(self.opened) else np.zeros(len(corners), dtype=np.bool_)
         for name, value in (
             ("vertices", vertices),
             ("corners", corners),
             ("offsets", offsets),
-            ("opened", opened),
             ("chain_ends", np.asarray(self.chain_ends, dtype=np.int64)),
         ):
             object.__setattr__(self, name, frozen(value))
@@ -197,7 +192,7 @@ class Mesh:
         ManifoldError
         """
         start, end = self.corners, self.corners[self.next]
-        key = np.minimum(start, end) * len(self.vertices) + np.maximum(start, end)
+        key = _edge_keys(start, end)
         order = np.argsort(key, kind="stable")
         same = key[order[1:]] == key[order[:-1]]
         one, other = order[:-1][same], order[1:][same]
@@ -251,10 +246,16 @@ class Mesh:
     def chains(self) -> tuple[IntArray, ...]:
         """The designed borders: corners whose half-edges lie on one border, for each chain.
 
-        Borders that opened because panels were left out belong to no chain.
+        When faces were left out, what remains of the borders of the whole, perhaps nothing; the
+        borders that opened belong to no chain.
         """
-        border = np.flatnonzero((self.twin < 0) & ~self.opened)
+        border = np.flatnonzero(self.twin < 0)
         start, end = self.corners[border], self.corners[self.next[border]]
+        if self.origin is not None:
+            whole, vertices = self.origin
+            key = _edge_keys(vertices[start], vertices[end])
+            known = _edge_keys(whole.corners, whole.corners[whole.next])
+            return tuple(border[np.isin(key, known[chain])] for chain in whole.chains)
         leaving = np.full(len(self.vertices), -1)
         leaving[start] = np.arange(len(border))
         stop = np.zeros(len(self.vertices), dtype=bool)
@@ -286,11 +287,8 @@ class Mesh:
 
     def flipped(self) -> Mesh:
         """Return the same mesh with the other side out."""
-        mirror = (self.offsets[:-1] + self.offsets[1:] - 1)[self.face] - np.arange(len(self.face))
-        # a half-edge that runs the other way starts at the vertex where it ended
-        opened = self.opened[self.previous[mirror]]
         faces = [polygon[::-1] for polygon in self.polygons()]
-        return replace(self, faces=faces, opened=opened)
+        return replace(self, faces=faces)
 
     def polygons(self) -> list[list[int]]:
         """Return the faces as lists of vertex numbers."""
@@ -315,9 +313,7 @@ class Mesh:
         if gone.all():
             raise InputError(f"Leaving out all {len(self)} faces leaves no mesh.")
         keep = ~gone[self.face]
-        alone = self.opened | ((self.twin >= 0) & gone[self.face[self.twin]])
         used, corners = np.unique(self.corners[keep], return_inverse=True)
-        ends = np.flatnonzero(np.isin(used, self.chain_ends))
         sizes = self.sizes[~gone]
         whole, vertices = (self, used) if self.origin is None else self.origin
         return replace(
@@ -326,8 +322,7 @@ class Mesh:
             faces=np.split(corners.astype(np.int64), np.cumsum(sizes)[:-1]),
             addresses=tuple(np.array(self.addresses, dtype=object)[~gone]),
             lattice=None,
-            chain_ends=ends,
-            opened=alone[keep],
+            chain_ends=np.empty(0, dtype=np.int64),
             origin=(whole, vertices if self.origin is None else vertices[used]),
         )
 
@@ -380,6 +375,11 @@ class Mesh:
                 f"Faces are not convex: {listed(names)}. Split them into convex ones.",
                 addresses=names,
             )
+
+
+def _edge_keys(start: IntArray, end: IntArray) -> IntArray:
+    """Return one number for each edge, the same for both of its senses."""
+    return np.asarray(np.minimum(start, end) * (1 << 32) + np.maximum(start, end))
 
 
 def _read_vertices(value: ArrayLike) -> FloatArray:

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ifs_cad.errors import ContinuityError, OutOfReachError
+from ifs_cad.design.reading import read_points, read_weights
+from ifs_cad.design.transform import Scheme
+from ifs_cad.errors import ContinuityError, OutOfReachError, WeightError
 from ifs_cad.tolerance import DEFAULT, Tolerance
-from ifs_cad.types import FloatArray
+from ifs_cad.types import ArrayLike, FloatArray
 
-__all__ = ["germ_through", "solve_columns"]
+__all__ = ["germ_through", "solve_columns", "subdivision_point", "with_subdivision_point"]
 
 
 def solve_columns(
@@ -20,6 +22,7 @@ def solve_columns(
     points: FloatArray,
     weights: FloatArray,
     *,
+    span: FloatArray | None = None,
     project: bool = False,
     tol: Tolerance = DEFAULT,
 ) -> FloatArray:
@@ -38,6 +41,8 @@ def solve_columns(
         The present columns.
     points : (r, 3) float, mm
     weights : (r,) float
+    span : (m, k) float, optional
+        Orthonormal columns, none of them negative, that span what the columns may be.
     project : bool
         Take the nearest point of the hull instead of refusing a point off it.
 
@@ -54,27 +59,87 @@ def solve_columns(
     ----------
     The paper, section 3.1: c_i = P^-1 s_i.
     """
+    if span is not None:
+        projection, columns = projection @ span, columns @ span
     positions = (projection[1:] / projection[0]).T
     centre = positions.mean(axis=0)
     offsets = positions - centre
-    scale = np.abs(offsets).max()
+    scale = np.abs(offsets).max() or 1.0
     _, singular, axes = np.linalg.svd(offsets / scale, full_matrices=False)
     axes = axes[singular > tol.rank * singular[0]]
     local = (points - centre) @ axes.T
     distances = np.linalg.norm(points - centre - local @ axes, axis=1)
     furthest = int(distances.argmax())
     if not project and distances[furthest] > tol.planar:
-        hull = ("", "line", "plane")[len(axes)]
+        hull = ("place", "line", "plane")[len(axes)]
+        bound = "of the control points" if span is None else "that its column is bound to"
         raise OutOfReachError(
             f"The point {points[furthest].tolist()} is {distances[furthest]:.6g} mm off the {hull} "
-            "of the control points, which subdivision points cannot leave. Move a control "
-            "point out of it, or take the nearest point (project=True).",
+            f"{bound}, which this point cannot leave. Move a control point out of it, or take the "
+            "nearest point (project=True).",
             distance=float(distances[furthest]),
         )
     reduced = np.vstack([projection[0], projection[0] * (offsets @ axes.T / scale).T])
     wanted = weights * np.vstack([np.ones(len(points)), local.T / scale])
     change = np.linalg.lstsq(reduced, wanted - reduced @ columns.T)[0].T
-    return np.asarray(columns + change)
+    return np.asarray(columns + change if span is None else (columns + change) @ span.T)
+
+
+def subdivision_point(
+    scheme: Scheme, projection: FloatArray, name: str, *, tol: Tolerance = DEFAULT
+) -> tuple[float, FloatArray]:
+    """Return weight and (3,) place, mm, of the subdivision point s = P c.
+
+    Raises
+    ------
+    InputError
+        An unknown name.
+    WeightError
+        Its weight has vanished.
+    """
+    weight, *scaled = projection @ scheme.columns[scheme.index(name)]
+    if not weight > tol.weight * projection[0].max():
+        raise WeightError(
+            f"Subdivision point {name} has the weight {weight:.3g}, so it has no place. Give "
+            "it a place and a positive weight.",
+            weight=float(weight),
+        )
+    return float(weight), np.array(scaled) / weight
+
+
+def with_subdivision_point(
+    scheme: Scheme,
+    projection: FloatArray,
+    name: str,
+    point: ArrayLike | None = None,
+    weight: float | None = None,
+    *,
+    project: bool = False,
+    tol: Tolerance = DEFAULT,
+) -> Scheme:
+    """Return the scheme with the column that puts a subdivision point where it is wanted.
+
+    Parameters and errors are those of `Curve.with_subdivision_point`.
+
+    Parameters
+    ----------
+    projection : (4, m) float
+    """
+    row = scheme.free_index(name)
+    if weight is None or point is None:
+        present_weight, present_point = subdivision_point(scheme, projection, name, tol=tol)
+        weight = present_weight if weight is None else weight
+        point = present_point if point is None else point
+    column = solve_columns(
+        projection,
+        scheme.columns[[row]],
+        read_points([point], f"Subdivision point {name}"),
+        read_weights([weight], 1),
+        span=scheme.span(name),
+        project=project,
+        tol=tol,
+    )
+    return scheme.with_column(name, column[0])
 
 
 def germ_through(

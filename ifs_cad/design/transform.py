@@ -20,21 +20,26 @@ Source: the paper, section 3.1 (the two matrices, the general scheme, c = P^-1 s
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
+from ifs_cad.design.blossom import bezier_columns
+from ifs_cad.design.continuity import fixed_ends, read_germ, require_continuity
 from ifs_cad.design.reading import whole_number
-from ifs_cad.errors import ContinuityError, InputError
+from ifs_cad.design.symmetry import partners, require_symmetry, symmetric_columns
+from ifs_cad.errors import InputError
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import ArrayLike, BoolArray, FloatArray, IntArray, frozen, vector
 
 LEAST_ROUGHNESS = -1 / 3
 
-__all__ = ["Scheme"]
+Kind = Literal["fixed", "shared", "free"]
+
+__all__ = ["Kind", "Scheme"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +59,13 @@ class Scheme:
         T_N; s_i is the projection of c_i, and a shared column bears its first number (its others
         are accepted too).
     tol : Tolerance
+    symmetric : bool
+        Tie mirror images together: T_{N+1-k} = J T_k J, and moving one column moves the other.
 
     Raises
     ------
     InputError
-        Shapes that do not fit, or NaN.
+        Shapes that do not fit, NaN, names that repeat, or mirror images that differ.
     ContinuityError
         A scheme that tears the curve.
     """
@@ -68,6 +75,7 @@ class Scheme:
     fixed: BoolArray
     names: tuple[str, ...]
     tol: Tolerance = DEFAULT
+    symmetric: bool = False
 
     def __post_init__(self) -> None:
         columns = np.array(self.columns, dtype=float)
@@ -93,18 +101,20 @@ class Scheme:
             raise InputError(f"The layout must point at the columns 0..{count - 1}.")
         if not np.isfinite(columns).all():
             raise InputError("The columns of a scheme must be finite.")
+        if len(set(self.names)) < count:
+            raise InputError(f"Every column needs a name of its own, got {', '.join(self.names)}.")
+        if self.symmetric:
+            partner = partners(layout, fixed)
+            require_symmetry(columns, partner, self.names, self.tol)
+            columns = (columns + columns[partner, ::-1]) / 2
         for name, value in (("columns", columns), ("layout", layout), ("fixed", fixed)):
             object.__setattr__(self, name, frozen(value))
         if not self.is_interpolating:
-            self._require_continuity()
+            require_continuity(self.transformations, self.ends, self.tol)
 
     @staticmethod
     def de_casteljau(control_points: int, transformations: int = 2) -> Scheme:
         """Return the scheme of a Bezier curve split at k/N.
-
-        Entry i of column j of T_k is the coefficient of z^i in
-        ``((1-u) + u z)^(d-j) ((1-v) + v z)^j`` with d = m-1, u = (k-1)/N, v = k/N (the blossom
-        of the curve at d-j times u and j times v).
 
         Parameters
         ----------
@@ -217,18 +227,7 @@ class Scheme:
         """(2, m): a and b, the barycentric places where the curve starts and ends."""
         if self.is_interpolating:
             return frozen(np.eye(self.size)[[0, -1]])
-        size, matrices = self.size, self.transformations
-        zero, unit = np.zeros((size, size)), np.eye(size)
-        rows = [
-            np.hstack([matrices[0] - unit, zero]),
-            np.hstack([zero, matrices[-1] - unit]),
-            *(np.hstack([-after, before]) for before, after in pairwise(matrices)),
-            np.kron(np.eye(2), np.ones(size)),
-        ]
-        system = np.vstack(rows)
-        wanted = np.zeros(len(system))
-        wanted[-2:] = 1.0
-        return frozen(np.linalg.lstsq(system, wanted)[0].reshape(2, size))
+        return frozen(fixed_ends(self.transformations))
 
     def germ(self, columns: ArrayLike) -> FloatArray:
         """Read a germ: (g + 1, m) barycentric rows that run from a to b.
@@ -240,22 +239,7 @@ class Scheme:
         ContinuityError
             Rows that start or end elsewhere, so that the elements would not meet.
         """
-        germ = np.array(columns, dtype=float)
-        if germ.ndim != 2 or len(germ) < 2 or germ.shape[1] != self.size:
-            raise InputError(
-                f"A germ needs at least 2 rows of {self.size} barycentric numbers, got shape "
-                f"{germ.shape}."
-            )
-        if not np.isfinite(germ).all():
-            raise InputError("A germ must be finite.")
-        gap = float(np.abs(germ[[0, -1]] - self.ends).max())
-        if gap > self.tol.barycentric:
-            raise ContinuityError(
-                f"A germ must run from a = {self.ends[0].tolist()} to b = "
-                f"{self.ends[1].tolist()}; it is {gap:.3g} off.",
-                gap=gap,
-            )
-        return frozen(germ)
+        return read_germ(columns, self.ends, self.tol)
 
     @property
     def free_names(self) -> tuple[str, ...]:
@@ -293,8 +277,59 @@ class Scheme:
             )
         return index
 
+    def kinds(self) -> dict[str, Kind]:
+        """Return what each column may do, by name, in the paper's order.
+
+        ``fixed`` columns cannot move, ``shared`` ones move in several transformations at once,
+        ``free`` ones in one. See `handle.handles` for the whole table.
+        """
+        places = np.bincount(self.layout.ravel(), minlength=len(self.columns))
+        return {
+            name: "fixed" if fixed else "shared" if count > 1 else "free"
+            for name, fixed, count in zip(self.names, self.fixed, places, strict=True)
+        }
+
+    def partner(self, name: str) -> str | None:
+        """Return the name of a column's mirror image in a symmetric scheme; it may be its own."""
+        return self.names[self._partners[self.index(name)]] if self.symmetric else None
+
+    def span(self, name: str) -> FloatArray | None:
+        """Return orthonormal columns that span what a column may be; None for all columns.
+
+        In a symmetric scheme a column that is its own mirror image must read alike backwards.
+        """
+        return symmetric_columns(self.size) if self.partner(name) == name else None
+
+    def with_names(self, names: Mapping[str, str]) -> Scheme:
+        """Return the scheme with other names of some subdivision points, for the studio's handles.
+
+        Parameters
+        ----------
+        names : mapping from present to new names
+            The paper's numbers go on being understood.
+        """
+        changed = list(self.names)
+        for present, name in names.items():
+            changed[self.index(present)] = name
+        return replace(self, names=tuple(changed))
+
+    def with_symmetry(self) -> Scheme:
+        """Return the symmetric scheme of the means of all columns and their mirror images.
+
+        Raises
+        ------
+        InputError
+            A layout in which columns are shared, or fixed, otherwise from the two ends.
+        ContinuityError
+            Means that tear the curve; possible only when the scheme does not interpolate.
+        """
+        mirrored = self.columns[self._partners, ::-1]
+        return replace(self, columns=(self.columns + mirrored) / 2, symmetric=True)
+
     def with_column(self, name: str, column: ArrayLike) -> Scheme:
         """Return the scheme with one free column changed, wherever it stands.
+
+        In a symmetric scheme its mirror image changes too.
 
         Parameters
         ----------
@@ -304,7 +339,8 @@ class Scheme:
         Raises
         ------
         InputError
-            An unknown or fixed name, or a column of the wrong shape.
+            An unknown or fixed name, a column of the wrong shape, or one that is its own mirror
+            image in a symmetric scheme and does not read alike backwards.
         ContinuityError
             A column that tears the curve; possible only when the scheme does not interpolate.
         """
@@ -315,6 +351,8 @@ class Scheme:
                 f"A column of this scheme has {self.size} entries, got shape {value.shape}."
             )
         columns = self.columns.copy()
+        if self.symmetric:
+            columns[self._partners[index]] = value[::-1]
         columns[index] = value
         return replace(self, columns=columns)
 
@@ -350,53 +388,20 @@ class Scheme:
         return replace(self, columns=columns)
 
     @cached_property
+    def _partners(self) -> IntArray:
+        return partners(self.layout, self.fixed)
+
+    @cached_property
     def _places(self) -> dict[str, int]:
         numbered = {f"s{i + 1}": int(row) for i, row in enumerate(self.layout.ravel())}
         return numbered | {name: row for row, name in enumerate(self.names)}
 
-    def _require_continuity(self) -> None:
-        """Raise unless T_1 a = a, T_N b = b and T_k b = T_{k+1} a."""
-        matrices, unit = self.transformations, np.eye(self.size)
-        for number, end in ((1, matrices[0]), (self.count, matrices[-1])):
-            if np.linalg.svd(end - unit, compute_uv=False)[-1] > self.tol.barycentric:
-                raise ContinuityError(
-                    f"T_{number} has no fixed point for the curve to "
-                    f"{'start' if number == 1 else 'end'} at: it needs the eigenvalue 1."
-                )
-        a, b = self.ends
-        gaps = {"a is not a fixed point of T_1": matrices[0] @ a - a}
-        gaps[f"b is not a fixed point of T_{self.count}"] = matrices[-1] @ b - b
-        for k in range(self.count - 1):
-            joint = f"T_{k + 1} b and T_{k + 2} a are apart"
-            gaps[joint] = matrices[k] @ b - matrices[k + 1] @ a
-        worst = max(gaps, key=lambda what: float(np.abs(gaps[what]).max()))
-        gap = float(np.abs(gaps[worst]).max())
-        if gap > self.tol.barycentric or abs(a.sum() - 1) + abs(b.sum() - 1) > self.tol.barycentric:
-            raise ContinuityError(
-                f"These transformations tear the curve: {worst} (by {gap:.3g}, in barycentric "
-                "coordinates). Continuity needs T_k b = T_k+1 a for each k, with a and b the fixed "
-                f"points of T_1 and T_{self.count}.",
-                gap=gap,
-            )
-
 
 @lru_cache(maxsize=64)
 def _de_casteljau(size: int, count: int) -> Scheme:
-    degree = size - 1
-    columns = [
-        np.convolve(_bernstein(degree - j, k / count), _bernstein(j, (k + 1) / count))
-        for k in range(count)
-        for j in range(min(k, 1), size)
-    ]
-    layout = degree * np.arange(count)[:, None] + np.arange(size)
+    columns = bezier_columns(size, count)
+    layout = (size - 1) * np.arange(count)[:, None] + np.arange(size)
     fixed = np.zeros(len(columns), dtype=bool)
     fixed[[0, -1]] = True
     numbers = [k * size + j + 1 for k in range(count) for j in range(min(k, 1), size)]
-    return Scheme(np.array(columns), layout, fixed, tuple(f"s{number}" for number in numbers))
-
-
-def _bernstein(degree: int, t: float) -> FloatArray:
-    """Return the coefficients of ((1-t) + t z)^degree."""
-    i = np.arange(degree + 1)
-    binomials = np.array([math.comb(degree, k) for k in range(degree + 1)], dtype=float)
-    return np.asarray(binomials * t**i * (1.0 - t) ** (degree - i))
+    return Scheme(columns, layout, fixed, tuple(f"s{number}" for number in numbers))

@@ -17,15 +17,15 @@ from operator import index
 import numpy as np
 
 from ifs_cad.design.address import curve_addresses, format_word, is_dotted, parse_word
+from ifs_cad.design.curve import DEEPEST
 from ifs_cad.design.reading import whole_number
 from ifs_cad.design.size import require_memory
 from ifs_cad.errors import AddressError
 from ifs_cad.types import FloatArray, IntArray, frozen
 
-DEEPEST = 1000  # a word of digits below which floating-point numbers have no smaller part
-BYTES_OF_A_NODE = 512  # two positions, an edge, and an address as Python text
+BYTES_OF_A_NODE = 256  # two positions, an edge, and an address as Python text
 
-__all__ = ["DEEPEST", "ConstructionTree", "Node", "TreeDrawing", "read_word"]
+__all__ = ["ConstructionTree", "Node", "TreeDrawing", "read_word"]
 
 
 def read_word(word: str | Sequence[int], count: int, longest: int) -> tuple[int, ...]:
@@ -166,9 +166,7 @@ class ConstructionTree:
                 waiting += [(child, below) for child in reversed(node.children)]
         return "\n".join(lines)
 
-    def drawing(
-        self, prefix: str | Sequence[int] = (), levels: int | None = None
-    ) -> TreeDrawing:
+    def drawing(self, prefix: str | Sequence[int] = (), levels: int | None = None) -> TreeDrawing:
         """Return where to draw the nodes, and which to join.
 
         Parameters

@@ -178,7 +178,8 @@ class Boundary:
     @cached_property
     def areas(self) -> FloatArray:
         """(f,) float, of planar faces, mm2."""
-        return np.bincount(self.faces, weights=self.loop_areas, minlength=len(self.surfaces))
+        count = len(self.surfaces)
+        return np.asarray(np.bincount(self.faces, self.loop_areas, count), dtype=float)
 
     def volume(self, tol: Tolerance = DEFAULT) -> float | None:
         """Return the volume in closed form, mm3; None where there is none."""
@@ -215,7 +216,7 @@ class Boundary:
 
     @cached_property
     def deviations(self) -> FloatArray:
-        """(f,) float, how far each plane or cylinder lies from its edges at worst, mm."""
+        """(f,) float, how far each plane or cylinder lies from its edges at worst, mm; else 0."""
         curves, face = self.curves, self.face_of_side
         directions, flat = self.directions[face], self.planar[face]
         arms = curves.starts - self.points[face]
@@ -227,9 +228,10 @@ class Boundary:
         tilt = radii * length(cross(curves.axes, directions))
         off_plane[arcs] = np.maximum(off_plane, rise + tilt)[arcs]
         off_cylinder = np.abs(length(cross(arms, directions)) - self.radii[face])
+        off = np.where(flat, off_plane, off_cylinder)
+        off[self.surfaces[face] == Surface.OTHER] = 0.0
         worst = np.zeros(len(self.surfaces))
-        np.maximum.at(worst, face, np.where(flat, off_plane, off_cylinder))
-        worst[self.surfaces == Surface.OTHER] = 0.0
+        np.maximum.at(worst, face, off)
         return worst
 
 

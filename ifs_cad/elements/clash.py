@@ -14,6 +14,7 @@ from scipy.optimize import linprog
 from scipy.spatial import cKDTree
 
 from ifs_cad.design.address import listed
+from ifs_cad.elements.element import Elements
 from ifs_cad.elements.panel import Shell
 from ifs_cad.elements.polyhedron import Polyhedra
 from ifs_cad.errors import ClashError, SelfIntersectionError
@@ -42,25 +43,30 @@ class Clash:
     faces_cross: bool
 
 
-def clashes(shell: Shell, tol: Tolerance = DEFAULT) -> tuple[Clash, ...]:
-    """Return every pair of panels that share volume; none in a shell that can be built."""
-    near = neighbours_at_nodes(shell)
-    far = _boxes_overlap(shell.solids)
-    known = near[:, 0] * len(shell) + near[:, 1]
-    far = far[~np.isin(far[:, 0] * len(shell) + far[:, 1], known)]
+def clashes(elements: Elements, tol: Tolerance = DEFAULT) -> tuple[Clash, ...]:
+    """Return every pair of elements that share volume; none in a design that can be built."""
+    shell = elements if isinstance(elements, Shell) else None
+    near = np.empty((0, 2), dtype=np.int64) if shell is None else neighbours_at_nodes(shell)
+    far = overlapping(*boxes(elements.solids))
+    known = near[:, 0] * len(elements) + near[:, 1]
+    far = far[~np.isin(far[:, 0] * len(elements) + far[:, 1], known)]
     found = []
     for pairs, share_node in ((near, True), (far, False)):
-        for one, other in pairs[~apart(shell.solids, pairs, tol)]:
-            radius = shared_radius(shell.solids, int(one), int(other))
+        for one, other in pairs[~apart(elements.solids, pairs, tol)]:
+            radius = shared_radius(elements.solids, int(one), int(other))
             if radius > tol.shared_radius:
-                names = (shell.addresses[one], shell.addresses[other])
-                crossing = not share_node and _faces_cross(shell, int(one), int(other))
+                names = (elements.addresses[one], elements.addresses[other])
+                crossing = (
+                    shell is not None
+                    and not share_node
+                    and _faces_cross(shell, int(one), int(other))
+                )
                 found.append(Clash(names, radius, share_node, crossing))
     return tuple(found)
 
 
-def require_disjoint(shell: Shell, tol: Tolerance = DEFAULT) -> None:
-    """Raise when any two panels share volume.
+def require_disjoint(elements: Elements, tol: Tolerance = DEFAULT) -> None:
+    """Raise when any two elements share volume.
 
     Raises
     ------
@@ -69,7 +75,7 @@ def require_disjoint(shell: Shell, tol: Tolerance = DEFAULT) -> None:
     ClashError
         Panels meet only through their thickness, or at a node that has no relief.
     """
-    found = clashes(shell, tol)
+    found = clashes(elements, tol)
     crossing = [clash for clash in found if clash.faces_cross]
     at_nodes = [clash for clash in found if clash.share_node]
     for error, some, what, advice in (
@@ -159,12 +165,17 @@ def _padded(solids: Polyhedra) -> tuple[FloatArray, FloatArray]:
     return planes, solids.vertices[vertices]
 
 
-def _boxes_overlap(solids: Polyhedra) -> IntArray:
-    """Return the (k, 2) pairs of solids, smaller number first, whose bounding boxes overlap."""
+def boxes(solids: Polyhedra) -> tuple[FloatArray, FloatArray]:
+    """Return the (s, 3) lower and upper corners of the solids' bounding boxes, mm."""
     low = np.full((len(solids), 3), np.inf)
     high = -low
     np.minimum.at(low, solids.solid_of_vertex, solids.vertices)
     np.maximum.at(high, solids.solid_of_vertex, solids.vertices)
+    return low, high
+
+
+def overlapping(low: FloatArray, high: FloatArray) -> IntArray:
+    """Return the (k, 2) pairs of (s, 3) boxes, smaller number first, that overlap or touch."""
     reach = float(length(high - low).max(initial=0.0))
     pairs = cKDTree((low + high) / 2).query_pairs(reach, output_type="ndarray")
     one, other = pairs[:, 0], pairs[:, 1]

@@ -17,7 +17,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ifs_cad.elements.panel import Face, Shell
+from ifs_cad.elements.element import Elements
+from ifs_cad.elements.panel import Face
 from ifs_cad.elements.polyhedron import Kind, Polyhedra
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length, unit
@@ -76,7 +77,7 @@ class WorkFaces:
 
 
 def cutting_frames(
-    shell: Shell, face: Face = "inner", up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    elements: Elements, face: Face = "inner", up: tuple[float, float, float] = (0.0, 0.0, 1.0)
 ) -> CuttingFrames:
     """Lay every panel on the machine.
 
@@ -88,13 +89,16 @@ def cutting_frames(
         The direction in the shell that y follows as far as the panel allows; nearly horizontal
         panels follow the y axis of the shell instead.
     """
-    solids, thickness = shell.solids, shell.thickness
-    z = shell.normals if face == "outer" else -shell.normals
+    solids, thickness = elements.solids, elements.thickness
+    z = elements.normals if face == "outer" else -elements.normals
     y = _upright(z, np.array(up, dtype=float))
+    if elements.along is not None:
+        across = cross(z, elements.along)
+        y = np.where(dot(across, y)[:, None] < 0, -across, across)
     axes = np.stack([cross(y, z), y, z], axis=1)
     owner = solids.solid_of_vertex
     turned = np.einsum("vij,vj->vi", axes[owner], solids.vertices)
-    offsets = np.full((len(shell), 3), np.inf)
+    offsets = np.full((len(elements), 3), np.inf)
     np.minimum.at(offsets, owner, turned)
     offsets = -offsets
     vertices = turned + offsets[owner]

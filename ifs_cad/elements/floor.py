@@ -17,6 +17,8 @@ from ifs_cad.errors import FloorError
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import BoolArray, FloatArray, IntArray, Plane
 
+STANDING_SHARE = 0.5  # of the nodes of a border that must be down for it to stand
+
 
 @dataclass(frozen=True)
 class Opening:
@@ -33,9 +35,10 @@ class Opening:
 
 
 def standing_chains(mesh: Mesh, floor: Plane, tol: Tolerance = DEFAULT) -> list[bool]:
-    """Tell for each chain of the mesh whether it stands."""
-    below = floor.height(mesh.positions) <= tol.planar
-    return [_share_down(mesh, below, chain) >= 0.5 for chain in mesh.chains]
+    """Tell for each chain of the mesh whether it stands; panels left out do not change that."""
+    whole = mesh if mesh.origin is None else mesh.origin[0]
+    below = floor.height(whole.positions) <= tol.planar
+    return [_share_down(whole, below, chain) >= STANDING_SHARE for chain in whole.chains]
 
 
 def openings(mesh: Mesh, floor: Plane, tol: Tolerance = DEFAULT) -> tuple[Opening, ...]:
@@ -44,7 +47,7 @@ def openings(mesh: Mesh, floor: Plane, tol: Tolerance = DEFAULT) -> tuple[Openin
     return tuple(
         Opening(tuple(mesh.names(mesh.face[chain])), float(height[chain].max()))
         for chain, stands in zip(mesh.chains, standing_chains(mesh, floor, tol), strict=True)
-        if not stands
+        if len(chain) and not stands
     )
 
 
@@ -62,22 +65,22 @@ def require_standing(
     FloorError
         Gives the drop needed and the panels above the floor; or no border stands at all.
     """
-    if not mesh.chains:
+    ends = [np.union1d(chain, mesh.next[chain]) for chain in mesh.chains]
+    if not any(len(corners) for corners in ends):
         raise FloorError("A closed mesh has no border to stand on. Leave the floor out.")
     stands = standing_chains(mesh, floor, tol)
+    heights = np.maximum(floor.height(lower), floor.height(upper))
     if not any(stands):
-        lowest = min(float(floor.height(mesh.positions[c]).max()) for c in mesh.chains)
+        lowest = min(float(heights[corners].max()) for corners in ends if len(corners))
         raise FloorError(
             "No border reaches the floor with half of its nodes. Lower the shell, or raise the "
             f"floor: by {lowest:.3f} mm the lowest border would stand.",
             drop=lowest,
         )
-    feet = np.concatenate([c for c, s in zip(mesh.chains, stands, strict=True) if s])
-    ends = np.concatenate([feet, mesh.next[feet]])
-    height = np.maximum(floor.height(lower[ends]), floor.height(upper[ends]))
-    above = height > tol.planar
+    feet = np.concatenate([c for c, s in zip(ends, stands, strict=True) if s])
+    above = heights[feet] > tol.planar
     if above.any():
-        names, drop = mesh.names(mesh.face[ends[above]]), float(height.max())
+        names, drop = mesh.names(mesh.face[feet[above]]), float(heights[feet].max())
         raise FloorError(
             f"A standing border lies up to {drop:.3f} mm above the floor at {listed(names)}. Lower "
             "the shell by that much, or raise the floor; nothing is extended.",

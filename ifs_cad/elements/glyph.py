@@ -251,7 +251,7 @@ def traced(paths: Iterable[Path]) -> tuple[Path, ...]:
 
 
 def _ring(dot: Path) -> Path:
-    poles = dot.vertices + [(DOT_RADIUS, 0.0), (-DOT_RADIUS, 0.0)]
+    poles = dot.vertices + np.array([(DOT_RADIUS, 0.0), (-DOT_RADIUS, 0.0)])
     return Path(poles, np.ones(2), closed=True)
 
 

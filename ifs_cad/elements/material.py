@@ -31,3 +31,4 @@ class Material:
 
 
 SPRUCE_PLYWOOD = Material("spruce plywood", 450.0, (0.87, 0.72, 0.50))
+SPRUCE = Material("spruce", 440.0, (0.85, 0.69, 0.46))

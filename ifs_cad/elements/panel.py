@@ -20,9 +20,11 @@ import numpy as np
 from ifs_cad.design.address import matching
 from ifs_cad.design.mesh import Mesh
 from ifs_cad.elements.floor import Opening, openings
+from ifs_cad.elements.material import Material
 from ifs_cad.elements.polyhedron import Kind, Polyhedra, Prismatoids, ranges
 from ifs_cad.elements.report import ReliefCut, Report
 from ifs_cad.errors import AddressError, InputError
+from ifs_cad.tolerance import Tolerance
 from ifs_cad.types import ArrayLike, FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length, unit
 
@@ -97,6 +99,21 @@ class Shell:
         """Thickness of every panel, mm."""
         return float(self.thickening.thickness)
 
+    @property
+    def along(self) -> None:
+        """No direction of their own: text runs level on panels."""
+        return None
+
+    @property
+    def material(self) -> Material:
+        """What the panels are made of."""
+        return cast(Material, self.thickening.material)
+
+    @property
+    def tol(self) -> Tolerance:
+        """Tolerances of the design."""
+        return self.mesh.tol
+
     @cached_property
     def normals(self) -> FloatArray:
         """(p, 3) float, unit normals, from the inner to the outer face."""
@@ -117,7 +134,7 @@ class Shell:
     @cached_property
     def masses(self) -> FloatArray:
         """(p,) float, kg."""
-        return self.volumes * 1e-9 * float(self.thickening.material.density)
+        return self.volumes * 1e-9 * self.material.density
 
     @cached_property
     def relief_share(self) -> FloatArray:
@@ -218,6 +235,31 @@ class Shell:
             )
         )
 
+    def part_data(self) -> list[dict[str, Any]]:
+        """Return for each panel what an assembly says of its part.
+
+        address, thickness (mm), area (mm2), mass (kg), and edge by edge chamfer_angles (degrees)
+        and neighbours.
+        """
+        angles, starts = self.chamfer_angles.tolist(), self.mesh.offsets.tolist()
+        return [
+            {
+                "address": address,
+                "thickness": self.thickness,
+                "area": area,
+                "mass": mass,
+                "chamfer_angles": angles[starts[face] : starts[face + 1]],
+                "neighbours": self.mesh.neighbours(face),
+            }
+            for address, area, mass, face in zip(
+                self.addresses,
+                self.areas.tolist(),
+                self.masses.tolist(),
+                self.faces.tolist(),
+                strict=True,
+            )
+        ]
+
     def report(self) -> Report:
         """Return the numbers that a designer and a workshop look at first."""
         mesh = self.mesh
@@ -232,7 +274,7 @@ class Shell:
             mass=float(self.masses.sum()),
             heaviest=(self.addresses[heaviest], float(self.masses[heaviest])),
             thickness=self.thickness,
-            material=self.thickening.material.name,
+            material=self.material.name,
             chamfer_angles=_extent(np.abs(self.chamfer_angles[joint])),
             edges=_extent(mesh.edge_lengths[made]),
             node_gap=float(self.node_gaps[nodes].max()),
@@ -252,10 +294,15 @@ class Shell:
         ------
         AddressError
             No address matches.
+        InputError
+            Nothing would be left.
         """
         remake: Callable[[Mesh], Shell] = self.thickening
+        leaving = matching(self.addresses, patterns)
+        if leaving.all():
+            raise InputError(f"Leaving out {patterns!r} leaves no panel.")
         gone = np.zeros(len(self.mesh), dtype=np.bool_)
-        gone[self.faces[matching(self.addresses, patterns)]] = True
+        gone[self.faces[leaving]] = True
         rest = remake(self.mesh.less(gone))
         made = np.zeros(len(self.mesh), dtype=np.bool_)
         made[self.faces] = True

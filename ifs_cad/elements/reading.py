@@ -253,7 +253,8 @@ def _heights(
     for drop in (BAR_DROP, BAR_DROP + descent("g")):
         for top in np.unique(alphabet[:, 3].round(TOP_DECIMALS))[::-1].tolist():
             height = round(float(boxes[:, 3].max()) / (drop + top), HEIGHT_DECIMALS)
-            if height >= least > 0.0 or height > least == 0.0:
+            if height > least * (1 - 10**-TOP_DECIMALS):
+                height = max(height, least)
                 yield height, drop * height
 
 

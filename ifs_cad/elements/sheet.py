@@ -5,6 +5,7 @@ Terms
 sheet faces : the two faces of the plywood; all others of the body are cut.
 hull : the body without its pockets and holes.
 floor : of a pocket; parallel to the sheet faces and between them.
+stub : a panel that has lost one sheet face, when the floor of the building left but a corner.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length
 
-OPPOSITE = 0.9
+OPPOSITE = 0.995
 """Two faces whose unit normals have at most minus this product may be meant as sheet faces."""
 
 
@@ -34,9 +35,9 @@ class Sheet:
     ----------
     boundary : Boundary
     pair : (2,) int
-        The two sheet faces, the larger first.
+        The two sheet faces, the larger first; of a stub one.
     thickness : float
-        Mean distance between them, mm.
+        Mean distance between them, mm; of a stub its height.
     unevenness : float
         By how much their distance varies, mm.
     """
@@ -46,6 +47,11 @@ class Sheet:
     thickness: float
     unevenness: float
     tol: Tolerance
+
+    @property
+    def is_stub(self) -> bool:
+        """Whether there is only one sheet face."""
+        return len(self.pair) == 1
 
     @cached_property
     def hull(self) -> Polyhedra | None:
@@ -98,7 +104,7 @@ class Sheet:
         used, loops = np.unique(tails, return_inverse=True)
         kinds = np.full(len(faces), int(Kind.CUT))
         kinds[faces == self.pair[0]] = Kind.UPPER
-        kinds[faces == self.pair[1]] = Kind.LOWER
+        kinds[np.isin(faces, self.pair[1:])] = Kind.LOWER
         return Polyhedra(
             vertices=body.vertices[used],
             loops=loops,
@@ -111,8 +117,8 @@ class Sheet:
         )
 
     @cached_property
-    def floors(self) -> tuple[IntArray, IntArray]:
-        """The floors of the pockets in each of the two sheet faces."""
+    def floors(self) -> list[IntArray]:
+        """The floors of the pockets in each of the sheet faces."""
         body = self.boundary
         faces = np.flatnonzero(body.outer_loops >= 0)
         inside = []
@@ -123,7 +129,7 @@ class Sheet:
             level &= body.directions[faces] @ normal > 0
             between = (depth > self.tol.planar) & (depth < self.thickness - self.tol.planar)
             inside.append(faces[level & between])
-        return inside[0], inside[1]
+        return inside
 
     @cached_property
     def pocket_volume(self) -> float:
@@ -149,43 +155,50 @@ class Sheet:
         """What the holes take, mm3, as if they were square to the sheet."""
         return float(self.hole_areas.sum()) * self.thickness
 
-    def outlines(self, side: int) -> list[Segments]:
-        """Return the outline of every floor in one of the two sheet faces, seen from outside."""
+    def outlines(self) -> list[list[Segments]]:
+        """Return, for each sheet face, the outline of every floor in it, seen from outside."""
         body = self.boundary
-        normal = body.directions[self.pair[side]]
-        seen = body.curves.seen_along(normal)
-        return [seen[body.face_of_side == floor] for floor in self.floors[side]]
+        found = []
+        for face, floors in zip(self.pair, self.floors, strict=True):
+            seen = body.curves.seen_along(body.directions[face])
+            found.append([seen[body.face_of_side == floor] for floor in floors])
+        return found
 
 
 def read_sheet(
     boundary: Boundary, thickness: float | None = None, tol: Tolerance = DEFAULT
 ) -> Sheet | None:
-    """Read a solid as a panel; None when it has no two parallel faces.
+    """Read a solid as a panel; None when it cannot be one.
+
+    Its sheet faces are two parallel ones at a given distance; or else its two largest faces, if
+    they are roughly opposite; or else any two parallel ones. A convex solid without them may be a
+    stub, which has one sheet face left.
 
     Parameters
     ----------
     boundary : Boundary
     thickness : float, optional
-        Faces at this distance are preferred, mm; else the largest count.
+        The given distance, mm.
     """
     faces = np.flatnonzero(boundary.outer_loops >= 0)
     faces = faces[np.argsort(-boundary.areas[faces], kind="stable")]
-    normals = boundary.directions[faces]
-    points = boundary.points[faces]
+    normals, points = boundary.directions[faces], boundary.points[faces]
     apart = dot(normals, points)[:, None] - normals @ points.T  # negative across a slot
-    one, other = np.nonzero(np.triu((normals @ normals.T < -OPPOSITE) & (apart > 0.0), 1))
-    if len(one) == 0:
-        return None
-    sizes = np.minimum(boundary.areas[faces[one]], boundary.areas[faces[other]])
-    best = int(np.argmax(sizes))
-    sheet = _between(boundary, faces[[one[best], other[best]]], tol)
-    if thickness is None or abs(sheet.thickness - thickness) <= tol.planar:
-        return sheet
-    for k in np.argsort(-sizes, kind="stable"):
-        instead = _between(boundary, faces[[one[k], other[k]]], tol)
-        if abs(instead.thickness - thickness) <= tol.planar and instead.unevenness <= tol.planar:
-            return instead
-    return sheet
+    opposite = np.triu((normals @ normals.T < -OPPOSITE) & (apart > 0.0), 1)
+    one, other = np.nonzero(opposite)
+    order = np.argsort(-boundary.areas[faces[other]], kind="stable")
+    pairs = faces[np.stack([one, other], axis=1)[order]]
+    sheets = [_between(boundary, pair, tol) for pair in pairs]
+    even = [sheet for sheet in sheets if sheet.unevenness <= tol.planar]
+    if thickness is not None:
+        for sheet in even:
+            if abs(sheet.thickness - thickness) <= tol.planar:
+                return sheet
+    if len(faces) > 1 and opposite[0, 1]:
+        return _between(boundary, faces[:2], tol)
+    if even:
+        return even[0]
+    return _stub(boundary, faces, tol)
 
 
 def _between(boundary: Boundary, pair: IntArray, tol: Tolerance) -> Sheet:
@@ -196,6 +209,17 @@ def _between(boundary: Boundary, pair: IntArray, tol: Tolerance) -> Sheet:
         depths.append(arms @ boundary.directions[face])
     distances = np.concatenate(depths)
     return Sheet(boundary, pair, float(distances.mean()), float(np.ptp(distances)), tol)
+
+
+def _stub(boundary: Boundary, faces: IntArray, tol: Tolerance) -> Sheet | None:
+    """Return a convex solid as a stub on the face above which it is lowest, else None."""
+    if len(faces) == 0:
+        return None
+    normals = boundary.directions[faces]
+    depths = dot(normals, boundary.points[faces]) - (normals @ boundary.vertices.T).min(axis=1)
+    lowest = int(np.argmin(depths))
+    stub = Sheet(boundary, faces[[lowest]], float(depths[lowest]), 0.0, tol)
+    return stub if stub.hull else None
 
 
 def stacked(placements: Sequence[FloatArray], hulls: Sequence[Polyhedra]) -> Polyhedra:

@@ -131,7 +131,7 @@ class Thickening:
         set_backs = np.full(len(mesh.corners), self.clearance)
         corners = _Corners.between_cuts(mesh, cuts, set_backs)
         reliefs = Reliefs.none()
-        if self.nodes != "plain":  # before the rest: no thickness helps a design that crosses itself
+        if self.nodes != "plain":  # first: no thickness helps a design that crosses itself
             sides = {"outer": (1,), "inner": (-1,), "centre": (1, -1)}[self.side]
             reliefs = find_reliefs(mesh, cuts, corners.rise, sides, self.tol)
         self._require_room(mesh, corners)

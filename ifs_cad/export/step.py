@@ -100,11 +100,11 @@ def export_panels(
         The assembly was not made from a shell.
     ExportError
     """
-    shell = assembly.metadata.get("shell")
-    if shell is None:
+    elements = assembly.metadata.get("elements")
+    if elements is None:
         raise InputError("Only an assembly made by to_assembly knows how its panels lie flat.")
     parts = assembly.objects
-    present = [address for address in shell.addresses if address in parts]
+    present = [address for address in elements.addresses if address in parts]
     written = []
     for number, address in enumerate(present):
         alone = cq.Assembly(name=f"{address}-flat")

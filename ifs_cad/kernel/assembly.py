@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import cadquery as cq
 
 from ifs_cad.design.address import digits
 from ifs_cad.elements.clash import require_disjoint
+from ifs_cad.elements.element import Elements
 from ifs_cad.elements.hole import Holes
-from ifs_cad.elements.panel import Shell
 from ifs_cad.errors import InputError
 from ifs_cad.kernel.panels import LabelChoice, MadePanel, make_panels
 
 STROKES_SUFFIX = "-strokes"
 """What the part that holds an address as wires adds to the name of its panel."""
 
-INK = cq.Color(0.1, 0.1, 0.1)
-
 
 def to_assembly(
-    shell: Shell,
+    elements: Elements,
     *,
     label: LabelChoice = None,
     holes: Holes | None = None,
@@ -28,7 +27,7 @@ def to_assembly(
     name: str = "shell",
     validate: bool = True,
 ) -> cq.Assembly:
-    """Return a shell as an assembly whose parts are named by the panels' addresses.
+    """Return a shell, or a wire frame, as an assembly whose parts are named by address.
 
     Parameters
     ----------
@@ -49,7 +48,7 @@ def to_assembly(
         its bounding box at the origin), and a location that takes it to its place. It carries its
         panel's data in `metadata`: address, area (mm2), thickness (mm),
         volume (mm3), chamfer_angles (degrees) and neighbours, edge by edge, and the made `solid`.
-        The assembly carries the `shell`.
+        The assembly carries the shell or wire frame as `elements`.
 
     Raises
     ------
@@ -60,22 +59,23 @@ def to_assembly(
     InputError
         `nest` is not a number of digits that the addresses have to spare.
     """
-    prefixes = _prefixes(shell, nest)
+    prefixes = _prefixes(elements.addresses, nest)
     if validate:
-        require_disjoint(shell, shell.mesh.tol)
-    red, green, blue = shell.thickening.material.colour
+        require_disjoint(elements, elements.tol)
+    red, green, blue = elements.material.colour
     colour = cq.Color(red, green, blue)
-    assembly = cq.Assembly(name=name, metadata={"shell": shell})
+    assembly = cq.Assembly(name=name, metadata={"elements": elements})
     groups: dict[tuple[str, ...], cq.Assembly] = {(): assembly}
-    made = make_panels(shell, label=label, holes=holes)
+    made = make_panels(elements, label=label, holes=holes)
     for address, prefix, part, data in zip(
-        shell.addresses, prefixes, made, _panel_data(shell), strict=True
+        elements.addresses, prefixes, made, elements.part_data(), strict=True
     ):
         group = _group(groups, prefix, name)
         data |= {"volume": part.volume, "solid": part.solid}
         _add(group, part.solid, part.location, address, colour, data)
         if part.strokes is not None:
-            _add(group, part.strokes, part.location, address + STROKES_SUFFIX, INK, {})
+            # without a colour: CadQuery cannot read coloured edges back from STEP
+            _add(group, part.strokes, part.location, address + STROKES_SUFFIX, None, {})
     _register(assembly)
     return assembly
 
@@ -98,7 +98,7 @@ def _add(
     shape: cq.Shape,
     place: cq.Location,
     name: str,
-    colour: cq.Color,
+    colour: cq.Color | None,
     data: dict[str, Any],
 ) -> None:
     """Append a part; `Assembly.add` would copy it and search all names each time."""
@@ -127,39 +127,17 @@ def _register(assembly: cq.Assembly) -> dict[str, cq.Assembly]:
     return assembly.objects
 
 
-def _prefixes(shell: Shell, nest: int) -> list[tuple[str, ...]]:
+def _prefixes(addresses: Sequence[str], nest: int) -> list[tuple[str, ...]]:
     """Return for each panel the growing prefixes that its groups are named by."""
-    words = [digits(address) for address in shell.addresses]
+    words = [digits(address) for address in addresses]
     shortest = min(len(word) for word in words)
     if not 0 <= nest < shortest:
         raise InputError(
-            f"nest must be from 0 to {shortest - 1} for addresses like {shell.addresses[0]}, "
+            f"nest must be from 0 to {shortest - 1} for addresses like {addresses[0]}, "
             f"got {nest}."
         )
-    join = "." if "." in shell.addresses[0] else ""
+    join = "." if "." in addresses[0] else ""
     return [tuple(join.join(word[: k + 1]) for k in range(nest)) for word in words]
-
-
-def _panel_data(shell: Shell) -> list[dict[str, Any]]:
-    mesh = shell.mesh
-    angles = shell.chamfer_angles.tolist()
-    return [
-        {
-            "address": address,
-            "thickness": shell.thickness,
-            "area": area,
-            "mass": mass,
-            "chamfer_angles": angles[mesh.offsets[face] : mesh.offsets[face + 1]],
-            "neighbours": mesh.neighbours(face),
-        }
-        for address, area, mass, face in zip(
-            shell.addresses,
-            shell.areas.tolist(),
-            shell.masses.tolist(),
-            shell.faces.tolist(),
-            strict=True,
-        )
-    ]
 
 
 __all__ = ["STROKES_SUFFIX", "MadePanel", "modified_parts", "to_assembly"]

@@ -11,9 +11,10 @@ from OCP.TopLoc import TopLoc_Location
 
 from ifs_cad import progress
 from ifs_cad.elements.cutting import CuttingFrames, cutting_frames
+from ifs_cad.elements.element import Elements
 from ifs_cad.elements.hole import HolePlaces, Holes, place_holes
 from ifs_cad.elements.label import Label, LabelPlaces, place_labels
-from ifs_cad.elements.panel import Panel, Shell
+from ifs_cad.elements.panel import Panel
 from ifs_cad.elements.polyhedron import Kind
 from ifs_cad.errors import InputError
 from ifs_cad.kernel import engrave
@@ -42,24 +43,26 @@ class MadePanel:
 
 
 def make_panels(
-    shell: Shell, *, label: LabelChoice = None, holes: Holes | None = None
+    elements: Elements, *, label: LabelChoice = None, holes: Holes | None = None
 ) -> Iterator[MadePanel]:
-    """Make the solid of every panel of a shell, one after the other.
+    """Make the solid of every panel or beam, one after the other.
 
     Raises
     ------
     LabelError, HoleError
         A label or hole that does not fit; raised before the first solid is made.
     """
-    chosen, tol = as_label(label), shell.mesh.tol
-    frames = cutting_frames(shell) if chosen is None else cutting_frames(
-        shell, chosen.face, chosen.up
+    chosen, tol = as_label(label), elements.tol
+    frames = (
+        cutting_frames(elements)
+        if chosen is None
+        else cutting_frames(elements, chosen.face, chosen.up)
     )
-    hole_places = None if holes is None else place_holes(shell.addresses, frames, holes, tol)
+    hole_places = None if holes is None else place_holes(elements.addresses, frames, holes, tol)
     label_places = None
     if chosen is not None:
-        label_places = place_labels(shell.addresses, frames, chosen, hole_places, tol)
-    return _make(shell, frames, label_places, hole_places)
+        label_places = place_labels(elements.addresses, frames, chosen, hole_places, tol)
+    return _make(frames, label_places, hole_places)
 
 
 def to_solid(
@@ -91,7 +94,7 @@ def as_label(label: LabelChoice) -> Label | None:
 
 
 def _make(
-    shell: Shell, frames: CuttingFrames, labels: LabelPlaces | None, holes: HolePlaces | None
+    frames: CuttingFrames, labels: LabelPlaces | None, holes: HolePlaces | None
 ) -> Iterator[MadePanel]:
     face = Kind.LOWER if labels is None or labels.label.face == "inner" else Kind.UPPER
     volumes = frames.solids.volumes.tolist()
@@ -113,7 +116,7 @@ def _make(
             cq.Location(location(axes, origin)),
             volume - sum(inset.volume for inset in insets),
         )
-        progress.report("making solids", index + 1, len(shell))
+        progress.report("making solids", index + 1, len(volumes))
 
 
 def _bores(

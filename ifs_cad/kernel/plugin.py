@@ -12,6 +12,7 @@ import cadquery as cq
 
 from ifs_cad.elements.hole import Holes
 from ifs_cad.elements.panel import Panel, Shell
+from ifs_cad.kernel.drawn import mesh_to_faces
 from ifs_cad.kernel.panels import LabelChoice, make_panels, to_solid
 
 
@@ -37,21 +38,15 @@ def ifs_panels(
     if isinstance(what, Panel):
         shapes = [to_solid(what, label=label, holes=holes)]
     else:
-        shapes = [made.solid for made in make_panels(what, label=label, holes=holes)]
+        made = make_panels(what, label=label, holes=holes)
+        shapes = [panel.solid.moved(panel.location) for panel in made]
     shape = shapes[0] if len(shapes) == 1 else cq.Compound.makeCompound(shapes)
     return workplane.eachpoint(lambda place: shape.moved(place), True, combine, clean)
 
 
 def ifs_surface(workplane: cq.Workplane, what: Shell) -> cq.Workplane:
     """Place the design surface at every point of the stack, as a shell of planar faces."""
-    mesh = what.mesh
-    faces = [
-        cq.Face.makeFromWires(
-            cq.Wire.makePolygon([cq.Vector(*mesh.vertices[v]) for v in polygon], close=True)
-        )
-        for polygon in mesh.polygons()
-    ]
-    surface = cq.Compound.makeCompound(faces)
+    surface = mesh_to_faces(what.mesh)
     return workplane.eachpoint(lambda place: surface.moved(place), True, False, False)
 
 

@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import cadquery as cq
-import numpy as np
 from OCP.BRep import BRep_Builder
 from OCP.Geom import Geom_Line, Geom_Plane
 from OCP.gp import gp_Ax3, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec

@@ -11,6 +11,7 @@ triangles : (t, 3) int, into points; what shares a point is smooth there
 triangle_colors : (t, 4) uint8, RGBA
 lines : (l, 2) int, into points
 line_colors : (l, 4) uint8, RGBA
+strokes, stroke_colors : the same for parts that have no faces
 size : (2,) int, width and height in pixels
 view : (3,) float, azimuth and elevation in degrees, zoom
 background : (3,) float, RGB from 0 to 1
@@ -52,7 +53,8 @@ to_vtk_ids: Callable[..., Any] = numpy_support.numpy_to_vtkIdTypeArray
 SUPERSAMPLING = 2
 FIELD_OF_VIEW = 18.0  # degrees, vertically: a long lens keeps parallels nearly parallel
 FILL = 0.92  # share of the frame that the model takes in the tighter direction
-LINE_WIDTH = 1.0  # pixels
+LINE_WIDTH = 1.0  # pixels, of the edges of faces
+STROKE_WIDTH = 2.0  # pixels, of lines that are all there is of a part
 AMBIENT = 0.4
 LIGHTS = (  # where from, as the camera sees it (right, up, towards it), and how strong
     ((-0.7, 1.0, 0.8), 0.5),
@@ -169,10 +171,13 @@ def model_renderer(scene: Scene) -> vtkRenderer:
     for drawn_together in (opaque, ~opaque):
         if drawn_together.any():
             renderer.AddActor(faces_actor(scene, drawn_together))
-    edges = actor_of(mesh(scene["points"], scene["lines"], scene["line_colors"]))
-    edges.GetProperty().LightingOff()
-    edges.GetProperty().SetLineWidth(LINE_WIDTH * SUPERSAMPLING)
-    renderer.AddActor(edges)
+    for lines, width in (("line", LINE_WIDTH), ("stroke", STROKE_WIDTH)):
+        cells, colors = scene[f"{lines}s"], scene[f"{lines}_colors"]
+        if len(cells):
+            actor = actor_of(mesh(scene["points"], cells, colors))
+            actor.GetProperty().LightingOff()
+            actor.GetProperty().SetLineWidth(width * SUPERSAMPLING)
+            renderer.AddActor(actor)
     return renderer
 
 

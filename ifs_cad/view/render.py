@@ -25,6 +25,7 @@ from ifs_cad.view._assembly import Part, parts, viewable
 from ifs_cad.view._triangulate import triangulate
 
 PLYWOOD = (0.87, 0.72, 0.53, 1.0)
+INK = (0.2, 0.15, 0.1, 1.0)  # of lines without a colour
 EDGE_DARKNESS = 0.35  # an edge is its part's colour times this
 LARGEST = 4000  # pixels: drawn at twice that, it still fits drivers and memory
 
@@ -117,14 +118,17 @@ def _scene(shapes: list[Part], edges: bool) -> dict[str, NDArray[Any]]:
     meshes = triangulate([shape for shape, _ in shapes])
     starts = np.cumsum([0] + [len(mesh.points) for mesh in meshes[:-1]])
     triangles = [mesh.triangles + start for mesh, start in zip(meshes, starts, strict=True)]
+    drawn = [mesh.lines + start for mesh, start in zip(meshes, starts, strict=True)]
+    # lines without faces are all there is to see of a part
+    bare = [len(mesh.triangles) == 0 for mesh in meshes]
     lines = [
-        # strokes without faces are all there is to see of them
-        (mesh.lines if edges or not len(mesh.triangles) else mesh.lines[:0]) + start
-        for mesh, start in zip(meshes, starts, strict=True)
+        part[: 0 if alone or not edges else None] for part, alone in zip(drawn, bare, strict=True)
     ]
+    strokes = [part[: None if alone else 0] for part, alone in zip(drawn, bare, strict=True)]
     colors = [color.toTuple() if color else PLYWOOD for _, color in shapes]
     rgba = np.array(colors)
     dark = rgba * (EDGE_DARKNESS, EDGE_DARKNESS, EDGE_DARKNESS, 1.0)
+    ink = [color.toTuple() if color else INK for _, color in shapes]
     points = np.concatenate([mesh.points for mesh in meshes])
     return {
         "points": points - (points.min(axis=0) + points.max(axis=0)) / 2,
@@ -132,6 +136,8 @@ def _scene(shapes: list[Part], edges: bool) -> dict[str, NDArray[Any]]:
         "triangle_colors": _bytes(rgba, triangles),
         "lines": np.concatenate(lines),
         "line_colors": _bytes(dark, lines),
+        "strokes": np.concatenate(strokes),
+        "stroke_colors": _bytes(np.array(ink), strokes),
     }
 
 

@@ -92,7 +92,6 @@ def build(
                 f"{script} showed {thing.name or f'object {number}'}, which has no solid in it: "
                 "nothing to make."
             )
-    # after the script, so that what it changes in these modules counts
     from ifs_cad.export.step import export_panels, export_step
     from ifs_cad.kernel.assembly import modified_parts
 
@@ -104,7 +103,7 @@ def build(
         begin = time.monotonic()
         made = [export_step(assembly, Path(stage, f"{stem}.step"), schema=schema)]
         files.append(_written(stage, made, begin))
-        shell = assembly.metadata.get("shell")
+        shell = assembly.metadata.get("elements")
         if shell is None:
             continue
         reports.append(str(shell.report()))
@@ -142,10 +141,11 @@ def show(source: str, settings: Mapping[str, str], port: int | None) -> dict[str
 
 def check(path: str) -> dict[str, Any]:
     """Check a STEP file."""
-    checking = load("ifs_cad.workflow.check")
-    progress.report(f"checking {Path(path).name}")
-    report = checking.check_step(path)
-    return {"ok": report.ok, "text": str(report)}
+    progress.report("loading the CAD kernel")
+    check_step = load("ifs_cad.workflow.check").check_step
+    progress.report(f"reading {Path(path).name}")
+    report = check_step(path)
+    return {"text": str(report), "data": report.as_dict()}
 
 
 JOBS: dict[str, Callable[..., dict[str, Any]]] = {

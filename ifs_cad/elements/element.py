@@ -1,0 +1,46 @@
+"""What panels and beams have in common: all that solids, labels and files need to know of them."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from ifs_cad.elements.material import Material
+from ifs_cad.elements.polyhedron import Polyhedra
+from ifs_cad.tolerance import Tolerance
+from ifs_cad.types import FloatArray
+
+
+class Elements(Protocol):
+    """Construction elements cut from sheets or boards of one thickness.
+
+    Attributes
+    ----------
+    addresses : unique names
+    solids : Polyhedra, their exact shapes, mm; UPPER and LOWER faces are those of the sheet
+    normals : (p, 3) float, unit vectors from the lower to the upper face
+    along : (p, 3) float or None, the grain: text runs along it; None where it runs level
+    thickness : float, mm
+    material : Material
+    tol : Tolerance
+    """
+
+    @property
+    def addresses(self) -> tuple[str, ...]: ...
+    @property
+    def solids(self) -> Polyhedra: ...
+    @property
+    def normals(self) -> FloatArray: ...
+    @property
+    def along(self) -> FloatArray | None: ...
+    @property
+    def thickness(self) -> float: ...
+    @property
+    def material(self) -> Material: ...
+    @property
+    def tol(self) -> Tolerance: ...
+
+    def __len__(self) -> int:
+        """Return the number of elements."""
+
+    def part_data(self) -> list[dict[str, Any]]:
+        """Return for each element what an assembly says of its part."""
