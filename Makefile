@@ -18,7 +18,7 @@ shell: $(VENV)/.installed
 	$(BIN)/ifs-cad build parts/shell_prototype.py -o $(OUT)/
 
 test: $(VENV)/.installed-for-development
-	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -p no:benchmark
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 
 lint: $(VENV)/.installed-for-development
 	$(BIN)/ruff check .
@@ -34,7 +34,7 @@ pictures: $(VENV)/.installed-for-development
 clean:
 	find exports -mindepth 1 ! -name .gitkeep -delete
 	find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
-	rm -rf build dist .benchmarks .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean
 	rm -rf $(VENV)

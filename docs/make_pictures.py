@@ -16,7 +16,7 @@ import numpy as np
 import ifs_cad as ifs
 
 mpl.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  the backend comes first
+from matplotlib import pyplot as plt
 
 HERE = Path(__file__).parent
 PARTS = HERE.parent / "parts"

@@ -10,7 +10,6 @@ The method is that of Stotz, Gouaty and Weinand, *Iterative Geometric Design for
 
 from __future__ import annotations
 
-from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -100,6 +99,7 @@ _HOMES = {
     "Tolerance": "tolerance",
     "WireFrame": "elements.beam",
     "check_step": "workflow.check",
+    "classics": "design",
     "clashes": "elements.clash",
     "dome": "design.dome",
     "export_panels": "export.step",
@@ -120,8 +120,6 @@ _HOMES = {
     "vector_sum": "design.surface",
 }
 
-_MODULES = {"classics": "design.classics"}
-
 
 def __getattr__(name: str) -> Any:
     value: Any
@@ -132,9 +130,9 @@ def __getattr__(name: str) -> Any:
     elif name in _HOMES:
         from ifs_cad.libraries import load
 
-        value = getattr(load(f"{__name__}.{_HOMES[name]}"), name)
-    elif name in _MODULES:
-        value = import_module(f"{__name__}.{_MODULES[name]}")
+        home = load(f"{__name__}.{_HOMES[name]}")
+        # `classics` is a whole module, named by the package it lies in
+        value = getattr(home, name) if hasattr(home, name) else load(f"{home.__name__}.{name}")
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value  # the next access finds it without coming here

@@ -5,7 +5,6 @@ from their usual germs. With every step both come nearer to the same limit.
 """
 
 import cadquery as cq
-import numpy as np
 
 import ifs_cad as ifs
 

@@ -19,7 +19,10 @@ for depth in range(steps + 1):
     step.add(ifs.to_wire(control), name=f"polygon{depth}", color=red)
     step.add(ifs.to_dots(control, 14), name=f"control{depth}", color=red)
     step.add(ifs.to_wire(curve.points), name=f"curve{depth}", color=brown)
-    step.add(ifs.to_dots(curve.points[1:-1], 10) if depth else ifs.to_dots(control[:1], 10),
-             name=f"joints{depth}", color=blue)
+    step.add(
+        ifs.to_dots(curve.points[1:-1], 10) if depth else ifs.to_dots(control[:1], 10),
+        name=f"joints{depth}",
+        color=blue,
+    )
     assembly.add(step, loc=cq.Location((apart * (depth % 2), -900 * (depth // 2), 0)))
 show_object(assembly, name="steps")

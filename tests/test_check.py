@@ -120,6 +120,37 @@ def test_door_and_test_piece_pass(tmp_path):
     assert door["joints"].values["unmated"] == []
 
 
+def test_stub_that_the_floor_left_without_one_face_passes(tmp_path):
+    assembly = two_plates(0.4)
+    wedge = cq.Workplane("XZ").polyline([(0, 0), (40, 0), (0, 8)]).close().extrude(-100)
+    assembly.add(wedge, name="stub", loc=Location((200.8, 0, 0)))
+    report = checked(assembly, tmp_path / "plates.step")
+    assert report.ok
+    assert report["thickness"].values["stubs"] == ["stub"]
+    assert report["joints"].values["parts_left_out"] == 0
+
+
+def test_wedge_higher_than_the_sheet_is_no_stub(tmp_path):
+    assembly = two_plates(0.4)
+    wedge = cq.Workplane("XZ").polyline([(0, 0), (40, 0), (0, 30)]).close().extrude(-100)
+    assembly.add(wedge, name="wedge", loc=Location((500, 0, 0)))
+    report = checked(assembly, tmp_path / "plates.step")
+    assert failed(report) == {"thickness"}
+    assert report["thickness"].addresses == ("wedge",)
+
+
+def test_tilted_face_is_found(tmp_path):
+    assembly = two_plates(0.4)
+    corners = [(0, 0), (100, 0), (100, 10.001), (0, 10)]
+    tilted = cq.Workplane("XZ").polyline(corners).close().extrude(-100)
+    assembly.add(tilted, name="tilted", loc=Location((500, 0, 0)))
+    report = checked(assembly, tmp_path / "plates.step")
+    assert failed(report) == {"thickness"}
+    assert report["thickness"].failures[0].message == (
+        "The two faces of tilted are not parallel: off by 0.001 mm."
+    )
+
+
 def test_one_flat_panel_passes(tmp_path):
     assembly = ifs.to_assembly(folded_shell(1), label=LABEL, holes=ifs.Holes())
     path = ifs.export_panels(assembly, tmp_path)[2]
@@ -278,9 +309,7 @@ def test_strokes_of_another_text_are_found(tmp_path):
     wrong = ifs.to_assembly(renamed, label="wire").objects["7-strokes"]
     part(assembly, "2-strokes").obj = wrong.obj
     report = checked(assembly, tmp_path / "shell.step")
-    assert [failure.message for failure in report["labels"].failures] == [
-        "2 has '7' drawn on it."
-    ]
+    assert [failure.message for failure in report["labels"].failures] == ["2 has '7' drawn on it."]
 
 
 def test_strokes_without_a_panel_are_found(tmp_path):

@@ -21,8 +21,9 @@ maps = st.integers(2, 4)
 def frames(draw):
     """Centre and two half-diameters that are well apart."""
     turned = np.linalg.qr(np.reshape(draw(st.lists(coordinates, min_size=9, max_size=9)), (3, 3)))
-    first, second = draw(radii) * turned.Q[:, 0], draw(radii) * turned.Q[:, 1]
-    return np.array(draw(places)), first, second + draw(st.floats(-0.5, 0.5)) * first
+    across, along = turned.Q[:, 1], turned.Q[:, 0]
+    lean = draw(st.floats(-0.5, 0.5))
+    return np.array(draw(places)), draw(radii) * along, draw(radii) * (across + lean * along)
 
 
 def coordinates_in(points, centre, first, second):

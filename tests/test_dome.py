@@ -70,7 +70,9 @@ def test_first_meridian_is_the_profile():
 def test_profile_may_lie_in_any_plane_through_the_axis():
     turn = np.radians(130)
     turned = PROFILE @ [
-        [np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]
+        [np.cos(turn), np.sin(turn), 0],
+        [-np.sin(turn), np.cos(turn), 0],
+        [0, 0, 1],
     ]
     mesh = dome(turned, sides=6)
     np.testing.assert_allclose(mesh.vertices[mesh.lattice][0], turned, atol=1e-9)

@@ -41,8 +41,11 @@ def arches(draw):
 def moved(mesh, by):
     """Return the mesh moved up by some mm."""
     return Mesh(
-        mesh.vertices + np.array([0, 0, by]), mesh.polygons(), addresses=mesh.addresses,
-        lattice=mesh.lattice, chain_ends=mesh.chain_ends,
+        mesh.vertices + np.array([0, 0, by]),
+        mesh.polygons(),
+        addresses=mesh.addresses,
+        lattice=mesh.lattice,
+        chain_ends=mesh.chain_ends,
     )
 
 
@@ -51,7 +54,8 @@ def test_feet_stand_and_ends_are_openings():
     assert sorted(standing_chains(mesh, FLOOR)) == [False, False, True, True]
     ends = openings(mesh, FLOOR)
     assert [sorted(end.addresses) for end in ends] == [
-        ["0.0", "1.0", "2.0", "3.0"], ["0.1", "1.1", "2.1", "3.1"]
+        ["0.0", "1.0", "2.0", "3.0"],
+        ["0.1", "1.1", "2.1", "3.1"],
     ]
     assert [end.height for end in ends] == pytest.approx([1300, 1300])
 
@@ -174,7 +178,13 @@ def test_border_of_a_door_is_no_opening_of_the_design():
     shell = thicken(gable(12), 20, floor=FLOOR).without("1.1")
     assert len(shell.openings) == 2
     assert {a for end in shell.openings for a in end.addresses} == {
-        "0.0", "1.0", "2.0", "3.0", "0.1", "2.1", "3.1"
+        "0.0",
+        "1.0",
+        "2.0",
+        "3.0",
+        "0.1",
+        "2.1",
+        "3.1",
     }
 
 

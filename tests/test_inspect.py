@@ -138,9 +138,32 @@ def test_solid_that_is_not_convex_has_no_hull(shape, tmp_path):
     assert read_sheet(read(shape, tmp_path / "part.step").boundary).hull is None
 
 
-def test_wedge_is_no_sheet(tmp_path):
-    ball = read(cq.Workplane().sphere(4), tmp_path / "part.step")
-    assert read_sheet(ball.boundary) is None
+def test_ball_is_no_sheet(tmp_path):
+    assert read_sheet(read(cq.Workplane().sphere(4), tmp_path / "part.step").boundary) is None
+
+
+def tilted_top(degrees):
+    """Return a block whose top, 10 mm high at x = 0, falls by an angle along x."""
+    fall = 30 * math.tan(math.radians(degrees))
+    corners = [(0, 0), (30, 0), (30, 10 - fall), (0, 10)]
+    return cq.Workplane("XZ").polyline(corners).close().extrude(-40)
+
+
+def test_top_that_is_a_little_tilted_is_still_a_sheet_face(tmp_path):
+    sheet = read_sheet(read(tilted_top(3), tmp_path / "part.step").boundary, 10.0)
+    fall = 30 * math.tan(math.radians(3))
+    assert not sheet.is_stub
+    # the low edge is as far from the slanted plane as its foot in the bottom is, times the cosine
+    assert sheet.thickness == pytest.approx(10 - fall / 2, rel=0.01)
+    assert sheet.unevenness == pytest.approx(fall, rel=0.01)
+
+
+def test_corner_cut_off_a_sheet_is_a_stub(tmp_path):
+    sheet = read_sheet(read(tilted_top(18), tmp_path / "part.step").boundary, 12.0)
+    assert sheet.is_stub
+    assert sheet.thickness == pytest.approx(10 * math.cos(math.radians(18)))
+    assert len(sheet.hull) == 1
+    assert sheet.floors[0].tolist() == []
 
 
 def test_common_volume_of_two_blocks(tmp_path):

@@ -45,7 +45,8 @@ def stl(path: Path, vertices: np.ndarray, faces: list[list[int]]) -> Path:
     for ring in faces:
         for k in range(1, len(ring) - 1):
             lines += ["facet normal 0 0 0", "outer loop"]
-            lines += ["vertex {:.9g} {:.9g} {:.9g}".format(*vertices[ring[i]]) for i in (0, k, k + 1)]
+            corners = (vertices[ring[i]] for i in (0, k, k + 1))
+            lines += ["vertex {:.9g} {:.9g} {:.9g}".format(*corner) for corner in corners]
             lines += ["endloop", "endfacet"]
     path.write_text("\n".join([*lines, "endsolid x"]) + "\n")
     return path
@@ -94,8 +95,10 @@ def test_scale_turns_metres_into_millimetres(tmp_path) -> None:
 def test_moebius_strip_is_refused(tmp_path) -> None:
     count = 9
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-    across = np.stack([np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle),
-                       np.sin(angle / 2)], axis=1)
+    across = np.stack(
+        [np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle), np.sin(angle / 2)],
+        axis=1,
+    )
     middle = 5 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     points = np.concatenate([middle - across, middle + across])
     faces = []

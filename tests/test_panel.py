@@ -112,16 +112,17 @@ def test_chamfer_angles_of_both_sides_of_an_edge_are_half_the_angle_of_the_norma
     normals = np.array([face_normal(mesh, polygon) for polygon in mesh.polygons()])
     inner = np.flatnonzero(mesh.twin >= 0)
     one, other = normals[mesh.face[inner]], normals[mesh.face[mesh.twin[inner]]]
-    fold = np.degrees(np.arctan2(
-        np.linalg.norm(np.cross(one, other), axis=1), np.einsum("ei,ei->e", one, other)
-    ))
+    fold = np.degrees(
+        np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), np.einsum("ei,ei->e", one, other))
+    )
     np.testing.assert_allclose(np.abs(shell.chamfer_angles[inner]), fold / 2, atol=1e-6)
     np.testing.assert_allclose(
         shell.chamfer_angles[inner], shell.chamfer_angles[mesh.twin[inner]], atol=1e-9
     )
     # positive at a ridge: the neighbour falls away below the face
     below = np.einsum(
-        "ei,ei->e", one,
+        "ei,ei->e",
+        one,
         mesh.centroids[mesh.face[mesh.twin[inner]]] - mesh.centroids[mesh.face[inner]],
     )
     clear = fold > 0.01
@@ -239,8 +240,15 @@ def test_prefix_of_iterated_addresses_is_a_connected_part():
     assert all(len(inside & set(panel.neighbours)) == 2 for panel in part)
 
 
-@pytest.mark.parametrize("call", [lambda s: s["9.9"], lambda s: s.part("9*"),
-                                  lambda s: s.without("9*"), lambda s: s.part("1.*").without("0*")])
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda s: s["9.9"],
+        lambda s: s.part("9*"),
+        lambda s: s.without("9*"),
+        lambda s: s.part("1.*").without("0*"),
+    ],
+)
 def test_address_that_no_panel_has_is_refused(call):
     with pytest.raises(AddressError, match=r"9|0\*"):
         call(rough())

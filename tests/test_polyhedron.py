@@ -57,8 +57,9 @@ def test_box_has_the_volume_areas_and_planes_of_a_box():
     assert box.kinds.tolist().count(Kind.BORDER) == 4
     np.testing.assert_allclose(
         sorted(map(tuple, np.column_stack([box.normals, box.levels]))),
-        sorted([(-1, 0, 0, 0), (1, 0, 0, 2), (0, -1, 0, 0), (0, 1, 0, 3), (0, 0, -1, 0),
-                (0, 0, 1, 5)]),
+        sorted(
+            [(-1, 0, 0, 0), (1, 0, 0, 2), (0, -1, 0, 0), (0, 1, 0, 3), (0, 0, -1, 0), (0, 0, 1, 5)]
+        ),
         atol=1e-12,
     )
     require_closed(box)
@@ -79,7 +80,12 @@ def test_side_that_vanishes_on_one_plane_makes_a_triangle(start):
     normals[2] = slope
     turn = np.roll(np.arange(4), start)
     wedge = Prismatoids(
-        lower[turn], upper[turn], normals[turn], box.kinds, box.mates, box.solid_offsets,
+        lower[turn],
+        upper[turn],
+        normals[turn],
+        box.kinds,
+        box.mates,
+        box.solid_offsets,
         box.normals,
     ).polyhedra()
     assert wedge.volumes == pytest.approx([4.0])

@@ -90,9 +90,7 @@ def test_spaces_between_letters_are_read(text):
 
 def test_text_seen_from_behind_is_not_read():
     mirrored = [
-        Segments(
-            floor.starts.conj(), floor.ends.conj(), -floor.sweeps, floor.centres.conj()
-        )
+        Segments(floor.starts.conj(), floor.ends.conj(), -floor.sweeps, floor.centres.conj())
         for floor in floors("0312", 14.0, 2.0)
     ]
     assert read_engraved(mirrored) == Reading("", 0.0, 2.0)

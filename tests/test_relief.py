@@ -62,7 +62,6 @@ def largest(blocks):
         b_ub=np.zeros(sum(map(len, blocks))),
         bounds=[(-1, 1), (-1, 1), (-1, 1), (None, None)] * len(blocks),
         method="highs",
-        options={"primal_feasibility_tolerance": 1e-9, "dual_feasibility_tolerance": 1e-9},
     )
     assert answer.status == 0
     return answer.x[3::4]
@@ -108,9 +107,9 @@ def test_pairs_that_collide_are_those_of_linear_programming(mesh, side):
     pairs = pairs_with_corners(mesh)
     depths, widths = depths_of_overlap(shell, pairs), widths_between(shell, pairs)
     for pair, depth, width in zip(pairs, depths, widths, strict=True):
-        if depth > 1e-8:
+        if depth > 1e-6:
             assert frozenset(pair) in found
-        if width > 1e-8:
+        if width > 1e-6:
             assert frozenset(pair) not in found
     assert found <= {frozenset(pair) for pair in pairs}
 
@@ -167,8 +166,14 @@ def hull_distance(points):
 
 def test_opposite_faces_with_equal_normals_are_parted_by_the_best_plane():
     # two level triangles meet in a node between two valleys that fall away steeply
-    ring = [(-300, 400, 0), (-300, -400, 0), (0, -500, -900), (300, -400, 0), (300, 400, 0),
-            (0, 500, -900)]
+    ring = [
+        (-300, 400, 0),
+        (-300, -400, 0),
+        (0, -500, -900),
+        (300, -400, 0),
+        (300, 400, 0),
+        (0, 500, -900),
+    ]
     faces = [[0, 1 + k, 1 + (k + 1) % 6] for k in range(6)]
     mesh = Mesh([(0, 0, 0), *ring], faces)
     plain = thicken(mesh, 20, nodes="plain")

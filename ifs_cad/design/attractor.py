@@ -92,7 +92,8 @@ def _fixed_point(system: System) -> FloatArray:
 def _shares(system: System, given: ArrayLike | None) -> FloatArray:
     """Return how often each map is picked, with the sum 1."""
     if given is None:
-        sizes = np.abs(np.linalg.det(system.linear_parts))
+        # By the stretches: numpy.linalg.det warns of some maps that flatten.
+        sizes = np.prod(np.linalg.svd(system.linear_parts, compute_uv=False), axis=1)
         shares = np.maximum(sizes, LEAST_SHARE * sizes.sum()) if sizes.any() else sizes + 1.0
     else:
         shares = np.array(given, dtype=float)

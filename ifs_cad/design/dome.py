@@ -184,9 +184,7 @@ def _ring(azimuths: ArrayLike | None, sides: int | None, sweep: float) -> FloatA
     return ring
 
 
-def _azimuths_of_normals(
-    azimuths: ArrayLike | None, sides: int | None, sweep: float
-) -> FloatArray:
+def _azimuths_of_normals(azimuths: ArrayLike | None, sides: int | None, sweep: float) -> FloatArray:
     if (azimuths is None) == (sides is None):
         raise InputError("A dome needs either its number of sides or the azimuths of its sides.")
     if azimuths is not None:

@@ -179,9 +179,7 @@ class Mesh:
     def planarity(self) -> FloatArray:
         """(f,) float, largest distance of a corner from the plane of its face, mm."""
         apart = self.positions - self.centroids[self.face]
-        return np.maximum.reduceat(
-            np.abs(dot(apart, self.normals[self.face])), self.offsets[:-1]
-        )
+        return np.maximum.reduceat(np.abs(dot(apart, self.normals[self.face])), self.offsets[:-1])
 
     @cached_property
     def twin(self) -> IntArray:

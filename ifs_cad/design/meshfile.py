@@ -94,9 +94,7 @@ def _read(source: Path) -> tuple[Any, list[list[int]]]:
         raise InputError(f"{source}: cannot be read as a mesh: {error}.") from error
 
 
-def _oriented(
-    points: FloatArray, corners: IntArray, sizes: IntArray, names: list[str]
-) -> IntArray:
+def _oriented(points: FloatArray, corners: IntArray, sizes: IntArray, names: list[str]) -> IntArray:
     """Return the corners with the faces of each connected part turned into one sense."""
     face = np.repeat(np.arange(len(sizes)), sizes)
     ends = np.cumsum(sizes)

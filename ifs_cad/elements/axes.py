@@ -63,15 +63,13 @@ def _fitted(mesh: Mesh, tol: Tolerance) -> FloatArray:
     if needed > MEMORY_LIMIT:
         raise SizeError(
             f"Fitting node axes to {rows} x {columns} faces takes {needed / 2**30:.1f} GiB, more "
-            f"than the limit of {MEMORY_LIMIT / 2**30:.1f}. Use nodes=\"relief\".",
+            f'than the limit of {MEMORY_LIMIT / 2**30:.1f}. Use nodes="relief".',
             bytes=needed,
         )
     basis = _parallel_meshes(mesh, grid)
 
     normals = mesh.normals.reshape(rows, columns, 1, 1, 3)
-    corners = np.stack(
-        [basis[:-1, :-1], basis[1:, :-1], basis[1:, 1:], basis[:-1, 1:]], axis=2
-    )
+    corners = np.stack([basis[:-1, :-1], basis[1:, :-1], basis[1:, 1:], basis[:-1, 1:]], axis=2)
     equations = (normals @ corners).reshape(-1, unknowns)
     closing = [
         (basis[-1] - basis[0])[grid[-1] == grid[0]].reshape(-1, unknowns),

@@ -199,7 +199,10 @@ class WireFrame:
         return "\n".join(
             f"{name:16}{value}"
             for name, value in (
-                ("beams", f"{len(self)} of {self.width:g} x {self.height:g} mm {self.material.name}"),
+                (
+                    "beams",
+                    f"{len(self)} of {self.width:g} x {self.height:g} mm {self.material.name}",
+                ),
                 ("lengths", f"{self.lengths.min():.1f} to {self.lengths.max():.1f} mm"),
                 ("length in all", f"{self.lengths.sum() / 1000:.2f} m"),
                 ("mass", f"{self.masses.sum():.1f} kg"),

@@ -208,9 +208,7 @@ class Boundary:
         wall, axis = face[arcs], axes[arcs]
         sweeps = curves.sweeps[arcs] * np.sign(dot(curves.axes[arcs], axis))
         height = dot(curves.starts[arcs] - self.points[wall], axis)
-        lean = dot(
-            self.points[wall] - base, cross(axis, curves.starts[arcs] - curves.ends[arcs])
-        )
+        lean = dot(self.points[wall] - base, cross(axis, curves.starts[arcs] - curves.ends[arcs]))
         flux -= (height * (self.radii[wall] ** 2 * sweeps + lean)).sum()
         return float(flux) / 3
 

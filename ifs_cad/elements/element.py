@@ -25,19 +25,32 @@ class Elements(Protocol):
     """
 
     @property
-    def addresses(self) -> tuple[str, ...]: ...
+    def addresses(self) -> tuple[str, ...]:
+        """Unique names."""
+
     @property
-    def solids(self) -> Polyhedra: ...
+    def solids(self) -> Polyhedra:
+        """Exact shapes, mm."""
+
     @property
-    def normals(self) -> FloatArray: ...
+    def normals(self) -> FloatArray:
+        """(p, 3) float, unit vectors from the lower to the upper face."""
+
     @property
-    def along(self) -> FloatArray | None: ...
+    def along(self) -> FloatArray | None:
+        """(p, 3) float, or None."""
+
     @property
-    def thickness(self) -> float: ...
+    def thickness(self) -> float:
+        """Thickness in mm."""
+
     @property
-    def material(self) -> Material: ...
+    def material(self) -> Material:
+        """What they are made of."""
+
     @property
-    def tol(self) -> Tolerance: ...
+    def tol(self) -> Tolerance:
+        """Tolerances of the design."""
 
     def __len__(self) -> int:
         """Return the number of elements."""

@@ -111,9 +111,7 @@ def _centroids(panels: Polyhedra) -> FloatArray:
     weights = dot(cross(one - first, other - first), panels.normals[panels.face_of_loop])
     moments = weights[:, None] * (first + one + other) / 3
     starts = panels.face_offsets[:-1]
-    return np.asarray(
-        np.add.reduceat(moments, starts) / np.add.reduceat(weights, starts)[:, None]
-    )
+    return np.asarray(np.add.reduceat(moments, starts) / np.add.reduceat(weights, starts)[:, None])
 
 
 def _facing(
@@ -144,9 +142,7 @@ def _heights(panels: Polyhedra, points: FloatArray, faces: IntArray) -> FloatArr
     return dot(panels.normals[faces], points) - panels.levels[faces]
 
 
-def _before(
-    panels: Polyhedra, points: FloatArray, faces: IntArray, tol: Tolerance
-) -> BoolArray:
+def _before(panels: Polyhedra, points: FloatArray, faces: IntArray, tol: Tolerance) -> BoolArray:
     """Tell whether each point lies before its (convex) face: inside, seen along the normal."""
     sizes = np.diff(panels.face_offsets)[faces]
     entries = ranges(panels.face_offsets[faces], panels.face_offsets[faces + 1])

@@ -200,13 +200,16 @@ def _middles(
     turn = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
     meet = (np.abs(turn) > tol.parallel) & region.is_side[:, first] & region.is_side[:, second]
     at_one, at_other = limits[:, first], limits[:, second]
-    corners = np.stack(
-        [
-            at_one * other[..., 1] - at_other * one[..., 1],
-            at_other * one[..., 0] - at_one * other[..., 0],
-        ],
-        axis=-1,
-    ) / np.where(meet, turn, 1.0)[..., None]
+    corners = (
+        np.stack(
+            [
+                at_one * other[..., 1] - at_other * one[..., 1],
+                at_other * one[..., 0] - at_one * other[..., 0],
+            ],
+            axis=-1,
+        )
+        / np.where(meet, turn, 1.0)[..., None]
+    )
     slack = np.einsum("pki,pci->pck", a, corners) - limits[:, None]
     kept = meet & (slack >= -tol.planar).all(axis=2)
     count = kept.sum(axis=1)

@@ -207,9 +207,7 @@ class Shell:
             return ()
         top = np.full(len(self), -np.inf)
         np.maximum.at(top, self.solids.solid_of_vertex, floor.height(self.solids.vertices))
-        return tuple(
-            self.addresses[i] for i in np.flatnonzero(top < self.thickening.min_height)
-        )
+        return tuple(self.addresses[i] for i in np.flatnonzero(top < self.thickening.min_height))
 
     @cached_property
     def openings(self) -> tuple[Opening, ...]:

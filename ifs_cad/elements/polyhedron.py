@@ -113,9 +113,9 @@ class Polyhedra:
         faces = ranges(self.solid_offsets[solids], self.solid_offsets[solids + 1])
         entries = ranges(self.face_offsets[faces], self.face_offsets[faces + 1])
         # a solid asked for twice gets vertices of its own each time
-        order = np.repeat(
-            np.arange(len(solids)), np.diff(self.solid_offsets)[solids]
-        ).repeat(np.diff(self.face_offsets)[faces])
+        order = np.repeat(np.arange(len(solids)), np.diff(self.solid_offsets)[solids]).repeat(
+            np.diff(self.face_offsets)[faces]
+        )
         keys, loops = np.unique(
             order * len(self.vertices) + self.loops[entries], return_inverse=True
         )
@@ -304,9 +304,7 @@ def clip(
         survivors = np.flatnonzero(left)
         if len(survivors) == 0:
             return solids.take(survivors), left
-        rest, _ = clip(
-            solids.take(survivors), normals[left], levels[left], kind, mates[left], tol
-        )
+        rest, _ = clip(solids.take(survivors), normals[left], levels[left], kind, mates[left], tol)
         return rest, left
     if (height >= 0).all():
         return solids, left

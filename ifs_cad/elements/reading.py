@@ -280,8 +280,7 @@ def _with_spaces(text: str, starts: FloatArray) -> str:
     advances = np.array([glyph(letter).advance for letter in text[:-1]])
     spaces = np.rint((np.diff(starts) - advances) / glyph(" ").advance).clip(0)
     return "".join(
-        letter + " " * int(count)
-        for letter, count in zip(text, [*spaces.tolist(), 0], strict=True)
+        letter + " " * int(count) for letter, count in zip(text, [*spaces.tolist(), 0], strict=True)
     )
 
 
@@ -298,9 +297,7 @@ def _stands(
     letters = np.array([letter != " " for letter in text])
     (left, level), (right, _) = (height * _bar_ends(text)).tolist()
     off = np.abs(positions[letters] * height - left - starts).max()
-    return bool(
-        max(off, abs(right - left - bar_length), abs(baseline + level)) < 4 * tol.sliver
-    )
+    return bool(max(off, abs(right - left - bar_length), abs(baseline + level)) < 4 * tol.sliver)
 
 
 def _bar_ends(text: str) -> FloatArray:

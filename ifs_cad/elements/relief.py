@@ -96,17 +96,13 @@ def find_reliefs(
     )
 
 
-def _rays(
-    mesh: Mesh, upright: FloatArray, corners: IntArray, sides: tuple[int, ...]
-) -> FloatArray:
+def _rays(mesh: Mesh, upright: FloatArray, corners: IntArray, sides: tuple[int, ...]) -> FloatArray:
     """Return (k, 2 + sides, 3) unit rays that span the corner cones."""
     edges = [mesh.directions[corners], -mesh.directions[mesh.previous[corners]]]
     return np.stack([*edges, *(side * upright[corners] for side in sides)], axis=1)
 
 
-def _facets(
-    mesh: Mesh, cuts: FloatArray, corners: IntArray, sides: tuple[int, ...]
-) -> FloatArray:
+def _facets(mesh: Mesh, cuts: FloatArray, corners: IntArray, sides: tuple[int, ...]) -> FloatArray:
     """Return (k, 2 or 3, 3) inward unit normals of the corner cones."""
     facets = [cuts[corners], cuts[mesh.previous[corners]]]
     if len(sides) == 1:

@@ -87,13 +87,17 @@ class Report:
         rows = [
             ("panels", f"{self.panels}"),
             ("area", f"{self.area:.2f} m2 of {self.thickness:g} mm {self.material}"),
-            ("mass", f"{self.mass:.1f} kg, heaviest panel {self.heaviest[1]:.2f} kg"
-             f" ({self.heaviest[0]})"),
+            (
+                "mass",
+                f"{self.mass:.1f} kg, heaviest panel {self.heaviest[1]:.2f} kg"
+                f" ({self.heaviest[0]})",
+            ),
             ("chamfer angles", "{:.2f} to {:.2f} degrees".format(*self.chamfer_angles)),
             ("edges", "{:.1f} to {:.1f} mm".format(*self.edges)),
             (
                 self.node_gap_name,
-                f"{self.node_gap:.2g} mm at most, nodes conical to {self.least_conical:.2g} degrees",
+                f"{self.node_gap:.2g} mm at most, nodes conical to "
+                f"{self.least_conical:.2g} degrees",
             ),
         ]
         if self.joint_gap[1] > 0:
@@ -104,7 +108,8 @@ class Report:
             rows.append(
                 (
                     "relief cuts",
-                    f"{len(self.relief_cuts)}, longest {longest.length:.2f} mm ({longest.address}), "
+                    f"{len(self.relief_cuts)}, longest {longest.length:.2f} mm "
+                    f"({longest.address}), "
                     f"most {100 * most.share:.2g} % of a panel ({most.address})",
                 )
             )

@@ -171,8 +171,8 @@ def read_sheet(
     """Read a solid as a panel; None when it cannot be one.
 
     Its sheet faces are two parallel ones at a given distance; or else its two largest faces, if
-    they are roughly opposite; or else any two parallel ones. A convex solid without them may be a
-    stub, which has one sheet face left.
+    they are roughly opposite. A convex solid without them that is not higher may be a stub; the
+    last resort is any two parallel faces.
 
     Parameters
     ----------
@@ -196,9 +196,9 @@ def read_sheet(
                 return sheet
     if len(faces) > 1 and opposite[0, 1]:
         return _between(boundary, faces[:2], tol)
-    if even:
-        return even[0]
-    return _stub(boundary, faces, tol)
+    stub = _stub(boundary, faces, tol)
+    low = stub is not None and thickness is not None and stub.thickness <= thickness + tol.planar
+    return even[0] if even and not low else stub
 
 
 def _between(boundary: Boundary, pair: IntArray, tol: Tolerance) -> Sheet:

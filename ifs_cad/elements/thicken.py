@@ -220,9 +220,7 @@ class Thickening:
         rise = corners.rise[at]
         level = np.where(dot(rise, normals) < 0, high, low)
         # how far the corner at the far face reaches beyond the relief plane, set back by clearance
-        beyond = self.clearance - dot(
-            self.clearance * inward + level[:, None] * rise, normals
-        )
+        beyond = self.clearance - dot(self.clearance * inward + level[:, None] * rise, normals)
         # the ends of the cut, along the two sides from the corner at the far face
         with np.errstate(divide="ignore", invalid="ignore"):
             ends = [
@@ -394,9 +392,7 @@ class _Corners:
         base = mesh.positions[corner] + (
             back_ending[:, None] * from_ending + back_starting[:, None] * from_starting
         )
-        return cls(
-            base, rise, from_ending + from_starting, ending, kinds, mates, solid_offsets
-        )
+        return cls(base, rise, from_ending + from_starting, ending, kinds, mates, solid_offsets)
 
 
 def _turn(mesh: Mesh, cuts: FloatArray, reliefs: Reliefs) -> FloatArray:

@@ -133,8 +133,7 @@ def _prefixes(addresses: Sequence[str], nest: int) -> list[tuple[str, ...]]:
     shortest = min(len(word) for word in words)
     if not 0 <= nest < shortest:
         raise InputError(
-            f"nest must be from 0 to {shortest - 1} for addresses like {addresses[0]}, "
-            f"got {nest}."
+            f"nest must be from 0 to {shortest - 1} for addresses like {addresses[0]}, got {nest}."
         )
     join = "." if "." in addresses[0] else ""
     return [tuple(join.join(word[: k + 1]) for k in range(nest)) for word in words]

@@ -305,9 +305,7 @@ def _placement(location: TopLoc_Location) -> FloatArray:
     return np.array([[matrix.Value(i, j) for j in range(1, 5)] for i in range(1, 4)])
 
 
-def _solid(
-    part: str, name: str, body: TopoDS_Shape, location: TopLoc_Location
-) -> ReadSolid:
+def _solid(part: str, name: str, body: TopoDS_Shape, location: TopLoc_Location) -> ReadSolid:
     return ReadSolid(
         part,
         name,

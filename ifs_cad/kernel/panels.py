@@ -65,9 +65,7 @@ def make_panels(
     return _make(frames, label_places, hole_places)
 
 
-def to_solid(
-    panel: Panel, *, label: LabelChoice = None, holes: Holes | None = None
-) -> cq.Solid:
+def to_solid(panel: Panel, *, label: LabelChoice = None, holes: Holes | None = None) -> cq.Solid:
     """Return one panel as a CadQuery solid, in its place in the shell.
 
     Raises
@@ -119,19 +117,13 @@ def _make(
         progress.report("making solids", index + 1, len(volumes))
 
 
-def _bores(
-    frames: CuttingFrames, holes: HolePlaces, index: int, face: Kind
-) -> list[Inset]:
+def _bores(frames: CuttingFrames, holes: HolePlaces, index: int, face: Kind) -> list[Inset]:
     bored = bore(holes.diameter, frames.thickness, face)
     points = holes.points[index][holes.present[index]].tolist()
     return [bored.moved(shift(x, y, frames.thickness)) for x, y in points]
 
 
-def _pockets(
-    labels: LabelPlaces, index: int, face: Kind, place: TopLoc_Location
-) -> list[Inset]:
+def _pockets(labels: LabelPlaces, index: int, face: Kind, place: TopLoc_Location) -> list[Inset]:
     label, height = labels.label, float(labels.heights[index])
-    pockets = engrave.engraved_text(
-        labels.texts[index], height, label.cutter, label.depth, place
-    )
+    pockets = engrave.engraved_text(labels.texts[index], height, label.cutter, label.depth, place)
     return [Inset({face: pocket.rims}, pocket.faces, pocket.volume) for pocket in pockets]

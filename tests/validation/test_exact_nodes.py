@@ -88,7 +88,9 @@ def test_curve_with_even_fold_makes_every_node_exact():
 def test_dome_is_exact(profile, sides, sweep):
     points, _ = profile
     mesh = accepted(
-        dome, np.column_stack([points[:, 0], 0 * points[:, 0], points[:, 1]]), sides=sides,
+        dome,
+        np.column_stack([points[:, 0], 0 * points[:, 0], points[:, 1]]),
+        sides=sides,
         sweep=sweep,
     )
     shell = accepted(thicken, mesh, THICKNESS)
@@ -128,8 +130,15 @@ def test_perpendicularity_off_by_seventeen_degrees_costs_millimetres():
 
 def test_cube_corner_is_exact_at_its_offset_corner():
     corner = Mesh(
-        [(0, 0, 0), (500, 0, 0), (0, 500, 0), (0, 0, 500), (500, 500, 0), (0, 500, 500),
-         (500, 0, 500)],
+        [
+            (0, 0, 0),
+            (500, 0, 0),
+            (0, 500, 0),
+            (0, 0, 500),
+            (500, 500, 0),
+            (0, 500, 500),
+            (500, 0, 500),
+        ],
         [[0, 2, 4, 1], [0, 3, 5, 2], [0, 1, 6, 3]],
     )
     shell = thicken(corner, THICKNESS, side="outer")
