@@ -36,7 +36,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description="Measure ifs_cad side by side with its peers.",
     )
-    parser.add_argument("--only", default="abcdef", metavar="LETTERS", help="from a to f")
+    parser.add_argument("--only", default="abcdefg", metavar="LETTERS", help="from a to g")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
     parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
     parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
@@ -64,6 +64,10 @@ def measured(letters: set[str], quick: bool) -> Iterator[Line]:
         import curves_to_panels
 
         yield from curves_to_panels.measure(2 if quick else 6)
+    if "g" in letters:
+        import curve_points
+
+        yield from curve_points.measure(2 if quick else 6)
     if "b" in letters:
         import solids
 

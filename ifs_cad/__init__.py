@@ -17,14 +17,23 @@ from wrapt import when_imported
 
 if TYPE_CHECKING:
     from ifs_cad.design import classics
+    from ifs_cad.design.conic import arc, arc_through, conic, ellipse, hyperbola, parabola
+    from ifs_cad.design.connection import Continuity, NodeValence
+    from ifs_cad.design.constraint import ConstraintReport, check_constraints
     from ifs_cad.design.curve import Curve
+    from ifs_cad.design.development import Developable, DevelopableStrips, flat_strips
     from ifs_cad.design.dome import dome
     from ifs_cad.design.figure import Figure
+    from ifs_cad.design.form import Convexity, MaximumEdge, MaximumPart, MinimumEdge, Planarity
     from ifs_cad.design.germ import Germ
+    from ifs_cad.design.handle import Handle, handles
     from ifs_cad.design.mesh import Mesh
     from ifs_cad.design.meshfile import read_mesh
+    from ifs_cad.design.spline import clamped_knots, spline, spline_segment, uniform_knots
+    from ifs_cad.design.subdivision import SubdivisionSets
     from ifs_cad.design.surface import vector_sum
     from ifs_cad.design.transform import Scheme
+    from ifs_cad.design.triangles import TriangularPatch
     from ifs_cad.elements.beam import WireFrame
     from ifs_cad.elements.clash import clashes
     from ifs_cad.elements.hole import Holes
@@ -47,32 +56,57 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "ConstraintReport",
+    "Continuity",
+    "Convexity",
     "Curve",
+    "Developable",
+    "DevelopableStrips",
     "Figure",
     "Germ",
+    "Handle",
     "Holes",
     "IfsCadError",
     "Label",
     "Material",
+    "MaximumEdge",
+    "MaximumPart",
     "Mesh",
+    "MinimumEdge",
+    "NodeValence",
     "Panel",
+    "Planarity",
     "Plane",
     "Scheme",
     "Shell",
+    "SubdivisionSets",
     "Tolerance",
+    "TriangularPatch",
     "WireFrame",
+    "arc",
+    "arc_through",
+    "check_constraints",
     "check_step",
+    "clamped_knots",
     "clashes",
     "classics",
+    "conic",
     "dome",
+    "ellipse",
     "export_panels",
     "export_step",
+    "flat_strips",
+    "handles",
+    "hyperbola",
     "mesh_to_faces",
+    "parabola",
     "place_germ",
     "read_mesh",
     "render",
     "show",
     "show_object",
+    "spline",
+    "spline_segment",
     "thicken",
     "to_assembly",
     "to_dots",
@@ -80,36 +114,62 @@ __all__ = [
     "to_solid",
     "to_wire",
     "to_wires",
+    "uniform_knots",
     "vector_sum",
 ]
 
 _HOMES = {
+    "ConstraintReport": "design.constraint",
+    "Continuity": "design.connection",
+    "Convexity": "design.form",
     "Curve": "design.curve",
+    "Developable": "design.development",
+    "DevelopableStrips": "design.development",
     "Figure": "design.figure",
     "Germ": "design.germ",
+    "Handle": "design.handle",
     "Holes": "elements.hole",
     "IfsCadError": "errors",
     "Label": "elements.label",
     "Material": "elements.material",
+    "MaximumEdge": "design.form",
+    "MaximumPart": "design.form",
     "Mesh": "design.mesh",
+    "MinimumEdge": "design.form",
+    "NodeValence": "design.connection",
     "Panel": "elements.panel",
+    "Planarity": "design.form",
     "Plane": "types",
     "Scheme": "design.transform",
     "Shell": "elements.panel",
+    "SubdivisionSets": "design.subdivision",
     "Tolerance": "tolerance",
+    "TriangularPatch": "design.triangles",
     "WireFrame": "elements.beam",
+    "arc": "design.conic",
+    "arc_through": "design.conic",
+    "check_constraints": "design.constraint",
     "check_step": "workflow.check",
-    "classics": "design",
+    "clamped_knots": "design.spline",
     "clashes": "elements.clash",
+    "classics": "design",
+    "conic": "design.conic",
     "dome": "design.dome",
+    "ellipse": "design.conic",
     "export_panels": "export.step",
     "export_step": "export.step",
+    "flat_strips": "design.development",
+    "handles": "design.handle",
+    "hyperbola": "design.conic",
     "mesh_to_faces": "kernel.drawn",
+    "parabola": "design.conic",
     "place_germ": "kernel.instance",
     "read_mesh": "design.meshfile",
     "render": "view.render",
     "show": "view.preview",
     "show_object": "view.preview",
+    "spline": "design.spline",
+    "spline_segment": "design.spline",
     "thicken": "elements.thicken",
     "to_assembly": "kernel.assembly",
     "to_dots": "kernel.drawn",
@@ -117,6 +177,7 @@ _HOMES = {
     "to_solid": "kernel.panels",
     "to_wire": "kernel.drawn",
     "to_wires": "kernel.drawn",
+    "uniform_knots": "design.spline",
     "vector_sum": "design.surface",
 }
 

@@ -29,6 +29,7 @@ PINNED = {
     "figure_17_offset_mesh": (17, 131.40),
     "figure_18_thickened_surface": (256, 232.69),
     "shell_prototype": (256, 109.22),
+    "wire_frame": (108, 93.07),
 }
 
 

@@ -1,11 +1,8 @@
-"""Is a STEP file what a workshop may trust? Judged from the file alone.
+"""Whether a STEP file is what a workshop may trust, judged from the file alone.
 
 The file is read back and measured without the design: solids, volumes, planes, thickness, engraved
 addresses, mating chamfers, shared volume. Whatever should be equal for all panels is compared with
 what is most common among them.
-
-Source: section 4.3 (the paper's parts were checked by hand); what counts as right is in
-`Tolerance`.
 """
 
 from __future__ import annotations
