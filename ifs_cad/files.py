@@ -18,14 +18,18 @@ MODE = 0o666  # of a new file, less what the user's umask takes
 def replaced(target: Path) -> Iterator[Path]:
     """Give a scratch file beside the target that takes its place when the block succeeds.
 
-    The folder is made when missing. A failure removes the scratch file and leaves the target as
-    it was.
+    The folder is made when missing; a link is followed, so that what it points to is replaced. A
+    failure removes the scratch file and leaves the target as it was.
 
     Raises
     ------
     ExportError
-        The folder or the file cannot be written, or nothing was written.
+        The folder or the file cannot be written, the target is no file but a folder or a device,
+        or nothing was written.
     """
+    target = target.resolve()
+    if target.exists() and not target.is_file():
+        raise ExportError(f"Cannot write {target}: it is a folder or a device, not a file.")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(

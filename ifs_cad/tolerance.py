@@ -62,3 +62,6 @@ MEMORY_LIMIT = 4 * 2**30
 
 KERNEL = 1e-7
 """Tolerance that OpenCascade shapes are made with (its own `Precision::Confusion`), mm."""
+
+LARGEST_COORDINATE = 1e9
+"""Points must lie closer to the origin than this, mm: beyond it, doubles cannot hold tolerances."""

@@ -17,7 +17,16 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-__all__ = ["ArrayLike", "BoolArray", "FloatArray", "IntArray", "Plane", "frozen", "vector"]
+__all__ = [
+    "ArrayLike",
+    "BoolArray",
+    "FloatArray",
+    "IntArray",
+    "Plane",
+    "frozen",
+    "number",
+    "vector",
+]
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
@@ -44,6 +53,20 @@ def vector(value: ArrayLike, what: str, size: int = 3) -> FloatArray:
     if not np.isfinite(array).all():
         raise InputError(f"{what} must be finite, got {array.tolist()}.")
     return array
+
+
+def number(value: Any, what: str) -> float:
+    """Read a number.
+
+    Raises
+    ------
+    InputError
+        Not a number; `what` names the value in the message.
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what} must be a number, got {value!r}.") from error
 
 
 @dataclass(frozen=True)

@@ -566,3 +566,14 @@ def test_file_without_solids_is_an_error(tmp_path):
 def test_negative_clearance_is_an_error(plates):
     with pytest.raises(InputError, match="Clearance"):
         check_step(plates, clearance=-0.1)
+
+
+def test_a_part_that_its_user_changed_is_named(tmp_path):
+    surface = ifs.vector_sum([(0, 0), (400, 0), (800, 0)], [(0, 0, 0), (0, 400, 90), (0, 800, 0)])
+    assembly = ifs.to_assembly(ifs.thicken(surface, 20.0))
+    part = next(part for part in assembly.objects.values() if part.obj is not None)
+    middle = cq.Workplane().sphere(30).val().moved(cq.Location((200, 200, 20)))
+    part.obj = part.obj.cut(middle)
+    report = check_step(ifs.export_step(assembly, tmp_path / "cut.step"))
+    assert report.ok, str(report)
+    assert f"no longer the shape of a panel: {part.name}" in report["volumes"].finding

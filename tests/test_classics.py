@@ -128,6 +128,13 @@ def test_snowflake_keeps_the_area_of_its_germ(depth):
     assert area(figure, depth) == pytest.approx(3 * math.sqrt(3) / 2, rel=ROUNDING)
 
 
+def test_middle_of_the_snowflake_reaches_the_tips_of_the_parts_around():
+    middle, *around = von_koch_snowflake().at_depth(1)
+    gaps = cKDTree(np.concatenate(around)).query(middle)[0]
+    assert gaps.max() <= 1e-15
+    assert np.linalg.norm(middle, axis=1) == pytest.approx([1 / math.sqrt(3)] * 6, rel=1e-14)
+
+
 def test_snowflake_and_its_outline_are_the_same_figure():
     # The outline of a triangle of side 1, centred and turned, with its tips at distance 1.
     outline = np.vstack([figure.polyline(6) for figure in von_koch_outline()])
@@ -362,6 +369,18 @@ def test_fern_by_chance_is_the_fern_by_construction():
     for points, near in ((chance, 0.05), (made, 0.005)):
         assert points.min(axis=0) == pytest.approx([-2.182, 0], abs=near)
         assert points.max(axis=0) == pytest.approx([2.656, 9.998], abs=near)
+
+
+def test_fern_has_the_numbers_of_barnsleys_table():
+    rows = np.concatenate(
+        [barnsley_fern().maps[:, :2, :2].reshape(4, 4), barnsley_fern().maps[:, :2, 2]], axis=1
+    )
+    assert rows.tolist() == [  # a, b, c, d, e, f
+        [0, 0, 0, 0.16, 0, 0],
+        [0.85, 0.04, -0.04, 0.85, 0, 1.6],
+        [0.2, -0.26, 0.23, 0.22, 0, 1.6],
+        [-0.15, 0.28, 0.26, 0.24, 0, 0.44],
+    ]
 
 
 def test_fern_has_its_stem_its_next_leaflets_and_its_tip():

@@ -187,7 +187,7 @@ def test_bad_sides_are_refused_each_with_its_own_error(options, error, message):
         ([(2000, 0, 0), (1000, 0, 500), (0, 0, 700)], DomeError, "as 0 mm at point 2.*opening"),
         ([(2000, 0, 0), (-100, 0, 500)], DomeError, "as -100 mm at point 1"),
         ([(2000, 0, 0), (1500, 30, 400), (1000, 0, 500)], DomeError, "by 30 mm at point 1"),
-        ([(2000, 0, 0), (np.nan, 0, 500)], InputError, "curve profile are not finite"),
+        ([(2000, 0, 0), (np.nan, 0, 500)], InputError, "curve profile must be finite"),
         ([(2000, 0, 0)], InputError, "Curve profile must be"),
     ],
 )

@@ -270,6 +270,7 @@ def test_barycentric_form_of_any_maps_of_space_gives_them_back(maps, data):
     spatial = Figure(maps)
     figure = Figure(np.linalg.inv(view) @ spatial.maps @ view, corners.T)
     assert np.abs(figure.space_maps - spatial.maps).max() <= 1e-12
+    assert (figure.space_maps[:, -1] == [0, 0, 0, 1]).all()
     assert figure.contraction_factor == pytest.approx(spatial.contraction_factor, abs=1e-12)
 
 
@@ -328,6 +329,8 @@ def test_germ_of_points_in_space_takes_barycentric_rows():
 def test_germ_on_weighted_control_points_is_where_it_was_put():
     figure = Figure.from_curve(CURVES["weights"]).with_germ([(1, 1, 1), (2, 0, 1)])
     assert np.abs(figure.at_depth(0)[0] - [(1, 1, 1), (2, 0, 1)]).max() <= 1e-13
+    weights = figure.coordinates @ figure.projection[0]
+    assert weights == pytest.approx([7 / 4] * 2, rel=1e-13)  # that of the centroid
 
 
 def test_germ_off_the_plane_of_the_control_points_is_out_of_reach():
@@ -481,6 +484,12 @@ def test_chaos_game_spreads_evenly_by_the_determinants():
     counts = np.histogram2d(*points.T, bins=5, range=[(0, 1), (0, 1)])[0]
     # 1600 points in each of 25 bins, five standard deviations of 40 to either side.
     assert np.abs(counts - 1600).max() <= 200
+
+
+def test_points_of_the_chaos_game_do_not_show_where_they_began():
+    first = chaos_game(Figure(HALVES), 10_000)[:100]
+    assert len(np.unique(first[:, 0])) == 100
+    assert np.histogram(first[:, 0], bins=4, range=(0, 1))[0].min() >= 10
 
 
 def test_chaos_game_takes_given_probabilities():

@@ -54,9 +54,11 @@ def test_area_of_a_concave_polygon_in_the_plane_and_in_space():
     assert germ.areas(upright[None]).tolist() == [7.0]
 
 
-def test_areas_far_from_the_origin_keep_their_digits():
-    germ = Germ.polygon([(0, 0), (1, 0), (0, 1)])
-    assert germ.areas(germ.points[None] + 2.0**30).tolist() == [0.5]
+def test_measures_far_from_the_origin_keep_their_digits():
+    germ = Germ.mesh(PYRAMID, PYRAMID_FACES)
+    far = 7 * germ.points + 3.0**32  # whole numbers still, but products of them lose digits
+    assert germ.volumes(far[None]) == pytest.approx([4 * 7**3], rel=1e-14)
+    assert germ.areas(far[None]) == pytest.approx([(4 + 4 * np.sqrt(10)) * 7**2], rel=1e-14)
 
 
 def test_repeated_shifts_the_cells_copy_by_copy():

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import pairs_that_share_a_node, shared_balls
-from scipy.optimize import linprog
+from scipy.optimize import linprog, nnls
 from scipy.sparse import block_diag
 from strategies import accepted, fans, panel_sides, triangle_meshes, vector_sums
 
@@ -141,27 +141,16 @@ def test_relief_plane_keeps_half_of_the_best_margin(mesh, side):
 
 
 def hull_distance(points):
-    """Return the distance from the origin to the convex hull of points, by Wolfe's method."""
-    chosen, shares = [int(np.linalg.norm(points, axis=1).argmin())], np.ones(1)
-    while True:
-        nearest = shares @ points[chosen]
-        heights = points @ nearest
-        if heights.min() > nearest @ nearest - 1e-12:
-            return float(np.linalg.norm(nearest))
-        chosen, shares = [*chosen, int(heights.argmin())], np.append(shares, 0.0)
-        while True:
-            corral = points[chosen]
-            size = len(chosen)
-            system = np.block([[corral @ corral.T, np.ones((size, 1))], [np.ones(size), 0]])
-            affine = np.linalg.lstsq(system, np.append(np.zeros(size), 1), rcond=None)[0][:-1]
-            if (affine > 1e-12).all():
-                shares = affine
-                break
-            falling = affine < shares
-            step = min(1.0, (shares[falling] / (shares - affine)[falling]).min())
-            shares = shares + step * (affine - shares)
-            keep = shares > 1e-12
-            chosen, shares = np.array(chosen)[keep].tolist(), shares[keep]
+    """Return the distance from the origin to the convex hull of points.
+
+    That is the reciprocal length of the shortest w with w . point >= 1 for all of them: Lawson and
+    Hanson's least distance programming, by non-negative least squares.
+    """
+    rest = np.append(np.zeros(3), -1.0)
+    rows = np.vstack([points.T, np.ones(len(points))])
+    rest = rows @ nnls(rows, -rest)[0] + rest
+    size = np.linalg.norm(rest[:3])
+    return float(-rest[3] / size) if size > 1e-12 else 0.0
 
 
 def test_opposite_faces_with_equal_normals_are_parted_by_the_best_plane():

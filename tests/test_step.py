@@ -404,3 +404,25 @@ def test_unknown_schema_is_an_error(tmp_path, schema):
     with pytest.raises(InputError, match='"AP214" or "AP242"'):
         export_step(to_assembly(plate(400, 300)), tmp_path / "shell.step", schema=schema)
     assert files_in(tmp_path) == []
+
+
+def test_a_link_is_followed_and_stays_a_link(tmp_path):
+    real, link = tmp_path / "real.step", tmp_path / "link.step"
+    real.write_text("old")
+    link.symlink_to(real)
+    export_step(cq.Assembly(cq.Workplane().box(1, 1, 1), name="box"), link)
+    assert link.is_symlink()
+    assert real.read_text().startswith("ISO-10303-21")
+
+
+def test_a_pipe_is_refused_and_stays_a_pipe(tmp_path):
+    pipe = tmp_path / "pipe.step"
+    os.mkfifo(pipe)
+    with pytest.raises(ExportError, match="not a file"):
+        export_step(cq.Assembly(cq.Workplane().box(1, 1, 1), name="box"), pipe)
+    assert pipe.is_fifo()
+
+
+def test_only_an_assembly_can_be_written(tmp_path):
+    with pytest.raises(InputError, match="to_assembly"):
+        export_step(cq.Workplane().box(1, 1, 1), tmp_path / "x.step")

@@ -9,7 +9,7 @@ from strategies import WeightedPoints, accepted, ifs_curves, numbers, polylines,
 
 from ifs_cad.design.curve import Curve
 from ifs_cad.design.surface import vector_sum
-from ifs_cad.errors import DegenerateFaceError, InputError, WeightError
+from ifs_cad.errors import DegenerateFaceError, InputError, SizeError, WeightError
 
 ARCH = np.array([(0, 0, 0), (1000, 0, 800), (2500, 0, 900), (3000, 0, 100)])
 FOLD = np.array([(0, 0, 0), (100, 700, 300), (0, 1500, 0)])
@@ -198,8 +198,8 @@ def test_cadquery_shape_that_is_not_straight_edges_is_refused(shape):
 @pytest.mark.parametrize(
     ("curve", "message"),
     [
-        ([(0, 0, 0), (np.nan, 0, 0)], r"Points \[1\] of curve a are not finite"),
-        ([(0, 0, 0), (0, -np.inf, 0)], r"Points \[1\] of curve a are not finite"),
+        ([(0, 0, 0), (np.nan, 0, 0)], r"Points of curve a must be finite; rows \[1\] are not"),
+        ([(0, 0, 0), (0, -np.inf, 0)], r"Points of curve a must be finite; rows \[1\] are not"),
         ([(0, 0, 0)], r"n >= 2, got shape \(1, 3\)"),
         ([], "n >= 2"),
         ([(0, 0, 0, 1), (1, 0, 0, 1)], r"got shape \(2, 4\)"),
@@ -216,7 +216,7 @@ def test_bad_curves_are_refused_each_with_its_own_error(curve, message):
 
 
 def test_bad_curve_b_is_named_b():
-    with pytest.raises(InputError, match="of curve b are not finite"):
+    with pytest.raises(InputError, match="Points of curve b must be finite"):
         vector_sum(ARCH, [(0, 0, 0), (0, np.nan, 0)])
 
 
@@ -246,3 +246,14 @@ def test_weights_that_sum_to_nothing_are_refused_naming_the_faces():
         vector_sum(a, b)
     assert caught.value.addresses == ("3",)
     assert caught.value.values["weight"] == pytest.approx(-0.2)
+
+
+def test_surface_that_does_not_fit_in_memory_is_refused_at_once():
+    line = np.arange(120_003.0).reshape(-1, 3)
+    with pytest.raises(SizeError, match="40,000 x 40,000 faces"):
+        vector_sum(line, line)
+
+
+def test_points_beyond_what_doubles_can_hold_are_refused():
+    with pytest.raises(InputError, match=r"within 1e\+09 mm"):
+        vector_sum([(0, 0, 0), (1e200, 0, 0)], [(0, 0, 0), (0, 1, 0)])

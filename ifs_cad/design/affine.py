@@ -258,8 +258,7 @@ class Placements:
         stretched = self.stretches.copy()
         stretched[self.mirrored, -1] *= -1.0
         grain = max(self.tol.rank * float(self.factors.max(initial=0.0)), np.finfo(float).tiny)
-        flat = stretched.reshape(len(self), -1)
-        keys = np.column_stack([self.mirrored, np.rint(flat / grain)])
+        keys = np.rint(stretched.reshape(len(self), -1) / grain)
         _, first, of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
         # Numbered as they first come, so that shapes keep their numbers when copies are appended.
         order = np.argsort(first)

@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from ifs_cad.design.address import face_addresses, listed, matching
+from ifs_cad.design.reading import require_in_reach
 from ifs_cad.errors import (
     ConvexityError,
     DegenerateFaceError,
@@ -28,8 +29,6 @@ from ifs_cad.errors import (
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import ArrayLike, BoolArray, FloatArray, IntArray, frozen
 from ifs_cad.vectors import cross, dot, length
-
-NAMED_IN_MESSAGES = 8
 
 
 Faces = IntArray | Sequence[Sequence[int] | IntArray]
@@ -387,9 +386,7 @@ def _read_vertices(value: ArrayLike) -> FloatArray:
         raise InputError(f"Vertices must be (v, 3) numbers: {error}.") from error
     if vertices.ndim != 2 or vertices.shape[1] != 3 or len(vertices) < 3:
         raise InputError(f"Vertices must be (v, 3) with v >= 3, got shape {vertices.shape}.")
-    if not np.isfinite(vertices).all():
-        rows = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-        raise InputError(f"Vertices {rows[:NAMED_IN_MESSAGES].tolist()} are not finite.")
+    require_in_reach(vertices, "Vertices")
     return vertices
 
 

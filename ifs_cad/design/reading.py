@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ifs_cad.errors import InputError, WeightError
+from ifs_cad.tolerance import LARGEST_COORDINATE
 from ifs_cad.types import ArrayLike, FloatArray
 
-__all__ = ["read_points", "read_weights", "whole_number"]
+__all__ = ["read_points", "read_weights", "require_in_reach", "whole_number"]
 
 
 def read_points(value: ArrayLike | Sequence[ArrayLike], what: str) -> FloatArray:
@@ -28,12 +29,28 @@ def read_points(value: ArrayLike | Sequence[ArrayLike], what: str) -> FloatArray
         ) from error
     if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise InputError(f"{what} must be points of 2 or 3 numbers each, got shape {points.shape}.")
-    if not np.isfinite(points).all():
-        rows = np.flatnonzero(~np.isfinite(points).all(axis=1)).tolist()
-        raise InputError(f"{what} must be finite; rows {rows} are not.")
+    require_in_reach(points, what)
     if points.shape[1] == 3:
         return points
     return np.column_stack([points, np.zeros(len(points))])
+
+
+def require_in_reach(points: FloatArray, what: str) -> None:
+    """Raise unless all coordinates are finite and within `tolerance.LARGEST_COORDINATE`.
+
+    Raises
+    ------
+    InputError
+    """
+    if not np.isfinite(points).all():
+        rows = np.flatnonzero(~np.isfinite(points).all(axis=1)).tolist()
+        raise InputError(f"{what} must be finite; rows {rows} are not.")
+    far = np.abs(points).max(axis=1, initial=0.0) > LARGEST_COORDINATE
+    if far.any():
+        raise InputError(
+            f"{what} must lie within {LARGEST_COORDINATE:g} mm of the origin; rows "
+            f"{np.flatnonzero(far).tolist()} do not."
+        )
 
 
 def read_weights(value: ArrayLike | None, count: int) -> FloatArray:

@@ -20,8 +20,9 @@ from ifs_cad.design.address import (
     surface_addresses,
 )
 from ifs_cad.design.mesh import Mesh
-from ifs_cad.errors import InputError, WeightError
-from ifs_cad.tolerance import DEFAULT, Tolerance
+from ifs_cad.design.reading import require_in_reach
+from ifs_cad.errors import InputError, SizeError, WeightError
+from ifs_cad.tolerance import DEFAULT, MEMORY_LIMIT, Tolerance
 from ifs_cad.types import ArrayLike, FloatArray, IntArray, vector
 
 
@@ -74,10 +75,13 @@ def vector_sum(
         A weight of the sum is not positive; names the faces around it.
     DegenerateFaceError
         Segments of a and b are parallel.
+    SizeError
+        More faces than fit in memory; refused before any is computed.
     """
     points_a, structure_a = read_curve(a, "a")
     points_b, structure_b = read_curve(b, "b")
     shape = (len(points_a) - 1, len(points_b) - 1)
+    _require_memory(*shape)
     if addresses == "ifs":
         names = surface_addresses(structure_a, structure_b)
     elif addresses == "lexicographic":
@@ -117,6 +121,26 @@ def vector_sum(
         chain_ends=chain_ends,
         tol=tol,
     )
+
+
+BYTES_OF_A_FACE = 1500  # points, mesh arrays and address, measured at 65,536 faces
+
+
+def _require_memory(rows: int, columns: int) -> None:
+    """Raise when a surface of so many faces would not fit in memory.
+
+    Raises
+    ------
+    SizeError
+    """
+    needed = rows * columns * BYTES_OF_A_FACE
+    if needed > MEMORY_LIMIT:
+        raise SizeError(
+            f"A surface of {rows:,} x {columns:,} faces would take {needed / 2**30:,.1f} GiB; the "
+            f"limit is {MEMORY_LIMIT / 2**30:.3g} GiB. Take a smaller iteration depth or fewer "
+            "points.",
+            bytes=needed,
+        )
 
 
 def _lattice(shape: tuple[int, int], closed_a: bool, closed_b: bool) -> IntArray:
@@ -175,9 +199,7 @@ def read_curve(curve: Any, name: str) -> tuple[FloatArray, Structure]:
         raise InputError(
             f"Curve {name} must be (n, 2) or (n, 3) points with n >= 2, got shape {points.shape}."
         )
-    if not np.isfinite(points).all():
-        rows = np.flatnonzero(~np.isfinite(points).all(axis=1))
-        raise InputError(f"Points {rows.tolist()} of curve {name} are not finite.")
+    require_in_reach(points, f"Points of curve {name}")
     same = np.flatnonzero(~np.diff(points, axis=0).any(axis=1))
     if len(same):
         raise InputError(

@@ -251,10 +251,11 @@ class System:
         if not self.contraction.contracting:
             rate, worst = self.contraction.rate, int(self.factors.argmax())
             raise ContractionError(
-                f"These transformations have no attractor: lengths shrink by {rate:.4g} per "
-                f"construction step (words of {self.contraction.length}), and T_{worst + 1} alone "
-                f"stretches by {self.contraction_factor:.4g}. Make the maps smaller; finite "
-                "construction steps can be had without.",
+                f"These transformations need have no attractor, since they do not contract: "
+                f"lengths grow by {rate:.4g} per construction step (words of "
+                f"{self.contraction.length}), and T_{worst + 1} alone stretches by "
+                f"{self.contraction_factor:.4g}. Make the maps smaller; finite construction steps "
+                "can be had without.",
                 rate=rate,
                 factor=self.contraction_factor,
             )

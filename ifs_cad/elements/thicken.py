@@ -27,7 +27,7 @@ from ifs_cad.elements.polyhedron import Kind, Polyhedra, Prismatoids, clip, join
 from ifs_cad.elements.relief import Reliefs, find_reliefs
 from ifs_cad.errors import FloorError, InputError, SelfIntersectionError, ThicknessError
 from ifs_cad.tolerance import DEFAULT, Tolerance
-from ifs_cad.types import FloatArray, IntArray, Plane
+from ifs_cad.types import FloatArray, IntArray, Plane, number
 from ifs_cad.vectors import cross, dot, length, unit
 
 Side = Literal["outer", "inner", "centre"]
@@ -78,12 +78,12 @@ def thicken(
         A standing border that does not reach the floor, with the drop needed.
     """
     recipe = Thickening(
-        float(thickness),
+        number(thickness, "Thickness"),
         side,
-        float(clearance),
+        number(clearance, "Clearance"),
         nodes,
         floor,
-        2.0 * thickness if min_height is None else float(min_height),
+        2.0 * thickness if min_height is None else number(min_height, "min_height"),
         material,
         tol,
     )
@@ -106,6 +106,8 @@ class Thickening:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.thickness) and self.thickness > 0):
             raise InputError(f"Thickness must be positive, got {self.thickness} mm.")
+        if not (math.isfinite(self.min_height) and self.min_height >= 0):
+            raise InputError(f"min_height must not be negative, got {self.min_height} mm.")
         if not (math.isfinite(self.clearance) and self.clearance >= 0):
             raise InputError(f"Clearance must not be negative, got {self.clearance} mm.")
         for value, options, what in (

@@ -117,6 +117,11 @@ def export_panels(
 
 
 def _require_writable_content(assembly: cq.Assembly) -> None:
+    if not isinstance(assembly, cq.Assembly):
+        raise InputError(
+            f"Only a cadquery Assembly can be written, not a {type(assembly).__name__}; "
+            "ifs_cad.to_assembly makes one of a shell."
+        )
     names = [part.name for part in assembly.objects.values()]
     foreign = [name for name in names if not name.isascii()]
     if foreign:

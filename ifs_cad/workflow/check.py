@@ -119,9 +119,11 @@ def _solids(contents: Contents) -> Check:
 
 def _volumes(found: Findings) -> Check:
     failures, worst, exact = [], 0.0, 0
+    changed = []  # shapes with other faces than a panel has, as a user's own booleans make them
     for solid in found.contents.solids:
         volume = solid.boundary.volume(found.tol)
         if volume is None or volume == 0.0:
+            changed.append(solid.name)
             continue
         exact += 1
         off = abs(solid.volume / volume - 1)
@@ -150,6 +152,8 @@ def _volumes(found: Findings) -> Check:
             f"; polyhedra {values['panels']:,.0f} mm3, less pockets {values['pockets']:,.0f} and "
             f"{values['hole_count']} holes {values['holes']:,.0f}"
         )
+    if changed:
+        finding += f"; no longer the shape of a panel: {listed(changed)}"
     return Check("volumes", finding, values, tuple(failures))
 
 
