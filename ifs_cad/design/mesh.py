@@ -30,7 +30,6 @@ from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import ArrayLike, BoolArray, FloatArray, IntArray, frozen
 from ifs_cad.vectors import cross, dot, length
 
-
 Faces = IntArray | Sequence[Sequence[int] | IntArray]
 
 
