@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import ifs_cad as ifs
 from ifs_cad.design.affine import Placements, homogeneous
 from ifs_cad.errors import GeometryError, InputError
 from ifs_cad.kernel.instance import place_germ
@@ -81,3 +82,19 @@ def test_bad_germs_and_maps_are_errors() -> None:
         place_germ(cq.Workplane().box(1, 1, 1), flat)
     with pytest.raises(InputError, match="colour"):
         place_germ(cq.Workplane().box(1, 1, 1), one, colours=[])
+
+
+def test_copies_are_written_under_their_addresses(tmp_path) -> None:
+    figure = ifs.classics.menger_sponge().scaled(90.0)
+    cell = cq.Workplane().box(90, 90, 90, centered=False)
+    assembly = place_germ(cell, figure.transforms(1))
+    file = ifs.export_step(assembly, tmp_path / "sponge.step")
+    read = cq.Assembly.importStep(str(file))
+    leaves = [part for part in read.objects.values() if part.obj is not None]
+    assert len(leaves) == 20
+    volume = sum(
+        part.obj.val().Volume() if isinstance(part.obj, cq.Workplane) else part.obj.Volume()
+        for part in leaves
+    )
+    assert volume == pytest.approx(20 * 30**3, rel=1e-9)
+    assert {f"{name}" for name in figure.addresses(1)} <= set(read.objects)

@@ -153,3 +153,11 @@ def test_mesh_from_a_file_becomes_panels_like_any_other(tmp_path) -> None:
     np.testing.assert_allclose(np.abs(shell.chamfer_angles), 45.0)
     assert shell.volumes.sum() == pytest.approx(400**3 - 370**3, rel=1e-12)
     assert ifs.clashes(shell) == ()
+
+
+def test_mesh_from_a_file_is_labelled_written_and_checked_like_any_other(tmp_path) -> None:
+    shell = ifs.thicken(read_mesh(obj(tmp_path / "cube.obj", CUBE, SIDES)), 15.0, side="inner")
+    file = ifs.export_step(ifs.to_assembly(shell, label="engraved"), tmp_path / "cube.step")
+    report = ifs.check_step(file)
+    assert report.ok, str(report)
+    assert "6 of 6 parts carry their name" in report["labels"].finding
