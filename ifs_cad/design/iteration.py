@@ -200,9 +200,13 @@ class Iteration:
         DegenerateSegmentError
             Consecutive points coincide; names the segments.
         """
-        squares = points[1:] - points[:-1]
-        squares *= squares
-        short = squares[:, 0] + squares[:, 1] + squares[:, 2] <= self.tol.coincident**2
+        # one coordinate clears almost all segments: that in which the curve goes farthest
+        middle = points[len(points) // 2]
+        axis = int(np.argmax(np.abs(middle - points[0]) + np.abs(points[-1] - middle)))
+        close = np.flatnonzero(np.abs(np.diff(points[:, axis])) <= self.tol.coincident)
+        apart = np.linalg.norm(points[close + 1] - points[close], axis=1)
+        short = np.zeros(len(points) - 1, dtype=bool)
+        short[close[apart <= self.tol.coincident]] = True
         if short.any():
             words = self.named((), short)
             raise DegenerateSegmentError(
