@@ -119,6 +119,22 @@ class HoleError(GeometryError):
     """A hole that does not fit its panel."""
 
 
+class StockError(GeometryError):
+    """Elements larger than any stock, or more than there is."""
+
+
+class MachineError(GeometryError):
+    """What the machine or its tools cannot cut."""
+
+
+class MechanismError(GeometryError):
+    """A structure that moves without resistance."""
+
+
+class InstabilityError(GeometryError):
+    """A structure that finds no equilibrium under its load: it buckles or snaps through."""
+
+
 class AddressError(IfsCadError, KeyError):
     """No element has this address."""
 

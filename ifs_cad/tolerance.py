@@ -39,6 +39,17 @@ class Tolerance:
         Segments of a groove's outline shorter than this are closed up, mm.
     volume : float
         Relative difference of volumes that count as equal.
+    cost : float
+        Relative difference of costs that count as equal.
+    equilibrium : float
+        Share of the loads by which forces of a structure may fail to balance.
+    machined : float
+        What a program makes may be off by this much, mm.
+    machined_angle : float
+        Planes that a program makes may be turned by this much, degrees.
+    mechanism : float
+        A movement whose stiffness is below this share of that of its own degrees of freedom meets
+        no resistance.
     """
 
     coincident: float = 1e-9
@@ -53,6 +64,11 @@ class Tolerance:
     relief: float = 1e-3
     sliver: float = 1e-3
     volume: float = 1e-9
+    cost: float = 1e-9
+    equilibrium: float = 1e-6
+    machined: float = 1e-3
+    machined_angle: float = 1e-3
+    mechanism: float = 1e-13
 
 
 DEFAULT = Tolerance()
@@ -62,6 +78,9 @@ MEMORY_LIMIT = 4 * 2**30
 
 KERNEL = 1e-7
 """Tolerance that OpenCascade shapes are made with (its own `Precision::Confusion`), mm."""
+
+SOLVER = 1e-6
+"""Tolerance that linear and integer programs are solved with (the default of HiGHS)."""
 
 LARGEST_COORDINATE = 1e9
 """Points must lie closer to the origin than this, mm: beyond it, doubles cannot hold tolerances."""

@@ -91,6 +91,11 @@ class Plane:
         object.__setattr__(self, "origin", tuple(origin.tolist()))
         object.__setattr__(self, "normal", tuple((normal / length).tolist()))
 
+    def scaled(self, factor: float) -> Plane:
+        """Return the plane with its distances from the origin scaled."""
+        x, y, z = self.origin
+        return Plane((x * factor, y * factor, z * factor), self.normal)
+
     def height(self, points: FloatArray) -> FloatArray:
         """Return signed distances of (..., 3) points, mm, positive on the normal's side."""
         return np.asarray((points - np.array(self.origin)) @ np.array(self.normal))

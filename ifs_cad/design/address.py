@@ -183,9 +183,16 @@ def matching(addresses: Sequence[str], pattern: str | Iterable[str]) -> BoolArra
     return found
 
 
-def digits(address: str) -> list[str]:
-    """Return the digits of an address as text, the coarsest first: "3.11.0" has three."""
-    return address.split(".") if "." in address else list(address)
+def prefixes(address: str) -> list[str]:
+    """Return the growing prefixes of an address, the shortest first and itself last.
+
+    Each holds one digit more: "3.11.0" has "3", "3.11" and "3.11.0". A layer counts as one digit:
+    "L07-01" has "L07", "L07-0" and "L07-01".
+    """
+    layer, dash, word = address.rpartition("-")
+    ends = re.finditer(r"[^.]+", word) if "." in word else re.finditer(r".", word)
+    grown = [f"{layer}{dash}{word[: end.end()]}" for end in ends]
+    return [layer, *grown] if dash else grown
 
 
 def listed(addresses: Sequence[str]) -> str:
