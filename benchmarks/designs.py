@@ -11,6 +11,8 @@ import ifs_cad as ifs
 DEPTH = 4
 FINE_DEPTH = 8
 THICKNESS = 10.0
+PLANK_DEPTH = 5
+LAYERS = 30
 
 
 def mesh(depth: int = DEPTH) -> ifs.Mesh:
@@ -36,3 +38,11 @@ def shell_named_with(digits: str) -> ifs.Shell:
     """Return the same 256 panels under addresses of four digits, each one of the four given."""
     names = ["".join(name) for name in product(digits, repeat=4)]
     return ifs.thicken(mesh().with_addresses(names), THICKNESS)
+
+
+def vault() -> ifs.Vault:
+    """Return 30 layers of 32 planks on a springing plane, all joints on bisector planes."""
+    points = [(0, 0, 0), (120, 0, 4000), (6420, 0, 4600), (6000, 0, 0)]
+    floor = ifs.Plane((0, 0, 0), (0, 0, 1))
+    curve = ifs.Curve(points, depth=PLANK_DEPTH)
+    return ifs.vault(curve, 150.0, 27.0, layers=LAYERS, springing=floor)

@@ -26,7 +26,8 @@ Made by `python benchmarks/run.py --write benchmarks/results.md` on: {machine}.
 
 Best of repetitions taken in turns (A B A B ...) in one run; the time of a repetition is the smaller
 of its wall and its processor time. Noise is the median wall time over the best time: 1 on a quiet
-machine. The panels are {thickness:g} mm thick, over a rough arch and a rough fold.
+machine. The panels are {thickness:g} mm thick, over a rough arch and a rough fold; the planks follow
+a Bezier curve.
 
 """
 
@@ -36,7 +37,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description="Measure ifs_cad side by side with its peers.",
     )
-    parser.add_argument("--only", default="abcdefg", metavar="LETTERS", help="from a to g")
+    parser.add_argument("--only", default="abcdefgh", metavar="LETTERS", help="from a to h")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
     parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
     parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
@@ -72,6 +73,10 @@ def measured(letters: set[str], quick: bool) -> Iterator[Line]:
         import solids
 
         yield from solids.measure(1 if quick else 4)
+    if "h" in letters:
+        import solids
+
+        yield from solids.measure_planks(1 if quick else 4)
     if letters & set("cde"):
         import step_file
 

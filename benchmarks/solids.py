@@ -1,15 +1,18 @@
-"""(b) Engraved solids, glyphs included, against the same panels by CadQuery's own means."""
+"""(b), (h) Engraved solids, glyphs included, against the same made by CadQuery's own means."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
+import cadquery as cq
 import cadquery_way
 import designs
 import numpy as np
 from table import Line, milliseconds
 from timing import interleaved
 
-import ifs_cad as ifs
 from ifs_cad.elements import glyph, groove
+from ifs_cad.elements.element import Elements
 from ifs_cad.kernel import bore, engrave
 from ifs_cad.kernel.panels import MadePanel, make_panels
 
@@ -22,33 +25,66 @@ def forget_glyphs() -> None:
         cache.cache_clear()
 
 
-def engraved(shell: ifs.Shell) -> list[MadePanel]:
-    """Make the engraved solids of a shell, from the first glyph on."""
+def engraved(elements: Elements) -> list[MadePanel]:
+    """Make the engraved solids of a shell or a vault, from the first glyph on."""
     forget_glyphs()
-    return list(make_panels(shell, label="engraved"))
+    return list(make_panels(elements, label="engraved"))
 
 
 def measure(rounds: int) -> list[Line]:
-    """Time all solids in turns with a sample of the peer's."""
+    """Time all panels of a shell in turns with a sample of the peer's."""
     shell = designs.shell()
-    sample = [panel for panel in shell if panel.index % (len(shell) // SAMPLE) == 0][:SAMPLE]
-    require_same_panels(sample)
+    panels = list(shell)
+    return _measured(
+        "b",
+        f"{len(shell)} engraved solids",
+        shell,
+        lambda k: cadquery_way.plain_panel(panels[k]),
+        lambda k: cadquery_way.engraved_panel(panels[k]),
+        rounds,
+    )
+
+
+def measure_planks(rounds: int) -> list[Line]:
+    """Time all planks of a vault in turns with a sample of the peer's."""
+    vault = designs.vault()
+    return _measured(
+        "h",
+        f"{len(vault)} engraved planks ({vault.segments.count} layers)",
+        vault,
+        lambda k: cadquery_way.plain_plank(vault, k),
+        lambda k: cadquery_way.engraved_plank(vault, k),
+        rounds,
+    )
+
+
+def _measured(
+    key: str,
+    what: str,
+    elements: Elements,
+    plain: Callable[[int], cq.Workplane],
+    marked: Callable[[int], cq.Workplane],
+    rounds: int,
+) -> list[Line]:
+    step = len(elements) // SAMPLE
+    sample = range(0, step * SAMPLE, step)
+    require_same(elements, sample, plain, marked)
     times = interleaved(
         {
-            "ours": lambda: engraved(shell),
-            "peer": lambda: [cadquery_way.engraved_panel(panel) for panel in sample],
+            "ours": lambda: engraved(elements),
+            "peer": lambda: [marked(index) for index in sample],
         },
         rounds,
         {"ours": 3},
     )
     ours, peer = times["ours"], times["peer"]
-    scaled = peer.best * len(shell) / len(sample)
+    scaled = peer.best * len(elements) / len(sample)
     return [
         Line(
-            "b",
-            f"{len(shell)} engraved solids, glyphs included, against CadQuery extrude, cut, text()",
+            key,
+            f"{what}, glyphs included, against CadQuery extrude, cut, text()",
             milliseconds(ours.best),
-            f"{milliseconds(scaled)} (scaled from {len(sample)} panels)",
+            f"{milliseconds(scaled)} (scaled from {len(sample)})",
             scaled / ours.best,
             " x faster",
             limit=150,
@@ -58,13 +94,18 @@ def measure(rounds: int) -> list[Line]:
     ]
 
 
-def require_same_panels(sample: list[ifs.Panel]) -> None:
-    """Raise unless the peer's panels have the volumes of ours before their text, and then less."""
-    for panel in sample:
-        made = cadquery_way.plain_panel(panel).val().Volume()
-        marked = cadquery_way.engraved_panel(panel).val().Volume()
-        if not (np.isclose(made, panel.volume, rtol=1e-6) and marked < made * (1 - 1e-4)):
+def require_same(
+    elements: Elements,
+    sample: Sequence[int],
+    plain: Callable[[int], cq.Workplane],
+    marked: Callable[[int], cq.Workplane],
+) -> None:
+    """Raise unless the peer's have the volumes of ours before their text, and then less."""
+    for index in sample:
+        own = float(elements.solids.volumes[index])
+        made, less = plain(index).val().Volume(), marked(index).val().Volume()
+        if not (np.isclose(made, own, rtol=1e-6) and less < made * (1 - 1e-4)):
             raise AssertionError(
-                f"{panel.address}: CadQuery {made} mm3, with text {marked} mm3; ours before the "
-                f"engraving {panel.volume} mm3."
+                f"{elements.addresses[index]}: CadQuery {made} mm3, with text {less} mm3; ours "
+                f"before the engraving {own} mm3."
             )

@@ -42,7 +42,7 @@ shell = ifs.thicken(
     side="outer",
     clearance=clearance,
     floor=ifs.Plane((0, 0, 0), (0, 0, 1)),
-)
+).with_fibre(ifs.FibreAlongCurve("a"))
 assembly = ifs.to_assembly(
     shell,
     label=ifs.Label(face="inner", depth=engraving_depth, cutter=cutter),

@@ -16,6 +16,7 @@ from ifs_cad.design.address import (
     listed,
     matching,
     parse_word,
+    prefixes,
     surface_addresses,
     word_at,
 )
@@ -171,3 +172,28 @@ def test_matching_nothing_is_an_error_that_shows_addresses():
 def test_listed_names_the_first_few():
     assert listed(["a", "b"]) == "a, b"
     assert listed([str(i) for i in range(11)]) == "0, 1, 2, 3, 4, 5, 6, 7 and 3 more"
+
+
+@pytest.mark.parametrize(
+    ("address", "grown"),
+    [
+        ("0312", ["0", "03", "031", "0312"]),
+        ("3.11.0", ["3", "3.11", "3.11.0"]),
+        ("7", ["7"]),
+        ("f0042", ["f", "f0", "f00", "f004", "f0042"]),
+        ("L07-01", ["L07", "L07-0", "L07-01"]),
+        ("L07-3.11", ["L07", "L07-3", "L07-3.11"]),
+        ("L007-1", ["L007", "L007-1"]),
+    ],
+)
+def test_prefixes_grow_by_one_digit_and_a_layer_is_one(address, grown):
+    assert prefixes(address) == grown
+
+
+@given(st.lists(st.integers(0, 40), min_size=1, max_size=8).map(tuple), st.booleans())
+def test_prefixes_are_the_words_of_the_steps_before(digits, layered):
+    dotted, layer = max(digits) > 9, "L12" if layered else ""
+    dash = "-" if layered else ""
+    words = [f"{layer}{dash}{format_word(digits[: k + 1], dotted)}" for k in range(len(digits))]
+    if not (dotted and len(digits) == 1):  # a lone digit of two figures looks like two digits
+        assert prefixes(words[-1]) == ([layer, *words] if layered else words)

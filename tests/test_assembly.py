@@ -10,11 +10,13 @@ from hypothesis import given, settings
 from strategies import accepted, shells
 from vaults import GROUND, THICKNESS, plate, roof, vault
 
+from ifs_cad.design.curve import Curve
 from ifs_cad.design.mesh import Mesh
 from ifs_cad.elements.hole import Holes
 from ifs_cad.elements.label import Label
 from ifs_cad.elements.polyhedron import Kind
 from ifs_cad.elements.thicken import thicken
+from ifs_cad.elements.vault import vault as vault_of_planks
 from ifs_cad.errors import ClashError, InputError, LabelError, SelfIntersectionError
 from ifs_cad.kernel.assembly import STROKES_SUFFIX, modified_parts, to_assembly
 
@@ -283,3 +285,30 @@ def test_all_panels_make_one_compound_of_their_volumes():
     assert sum(volume(s.wrapped) for s in compound.Solids()) == pytest.approx(
         shell.volumes.sum(), rel=1e-9
     )
+
+
+@pytest.mark.parametrize("nest", [0, 1, 2])
+def test_planks_nest_by_layer_and_then_by_digit(nest):
+    arch = Curve([(0, 0, 0), (0, 0, 3000), (4000, 0, 3000), (4000, 0, 0)], depth=2)
+    planks = vault_of_planks(arch, 120, 40, layers=3, stagger=True)
+    assembly = to_assembly(planks, nest=nest, name="vault")
+    assert set(solids_of(assembly)) == set(planks.addresses)
+    for address, part in solids_of(assembly).items():
+        layer, word = address.split("-")
+        names = ["vault", f"vault-{layer}", f"vault-{layer}-{word[0]}"][: nest + 1]
+        above = []
+        while part.parent is not None:
+            part = part.parent
+            above.append(part.name)
+        assert above[::-1] == names
+    groups = {name for name in assembly.objects if name.startswith("vault-")}
+    assert len(groups) == (0, 3, 3 + 6)[nest]
+    flat = in_world(to_assembly(planks))
+    for address, shape in in_world(assembly).items():
+        np.testing.assert_array_equal(points(shape.wrapped), points(flat[address].wrapped))
+
+
+def test_planks_nest_no_deeper_than_their_shortest_address():
+    planks = vault_of_planks([(0, 0, 0), (0, 0, 900)], 120, 40, layers=2, across=(0, 1, 0))
+    with pytest.raises(InputError, match="nest must be from 0 to 1 for addresses like L00-0"):
+        to_assembly(planks, nest=2)

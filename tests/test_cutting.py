@@ -2,14 +2,17 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import points_of
-from strategies import shells
+from strategies import accepted, shells
 from vaults import THICKNESS, plate, roof, vault
 
+from ifs_cad.design.mesh import Mesh
 from ifs_cad.elements.cutting import cutting_frames, work_faces
 from ifs_cad.elements.polyhedron import Kind
+from ifs_cad.elements.thicken import thicken
+from ifs_cad.types import Plane
 from ifs_cad.vectors import dot
 
 faces = st.sampled_from(["inner", "outer"])
@@ -119,7 +122,8 @@ def test_work_face_lies_within_the_panel_from_the_face_to_the_depth(shell, face,
             gaps = []
             for side in sides:
                 normal = solids.normals[side]
-                if normal[:2] @ a < -np.linalg.norm(normal[:2]) * (1 - 1e-9):
+                sine = (normal[0] * a[1] - normal[1] * a[0]) / np.linalg.norm(normal[:2])
+                if normal[:2] @ a < 0 and abs(sine) < 1e-12:  # others may be almost parallel
                     for z in (frames.thickness, frames.thickness - depth):
                         gaps.append(solids.levels[side] - normal @ [*(limit * a), z])
             assert min(gaps) == pytest.approx(0.0, abs=1e-6)
@@ -130,3 +134,54 @@ def test_some_work_faces_are_taken_as_they_are():
     some = region.take(np.array([7, 2]))
     for name in ("inward", "limits", "is_side", "kinds"):
         np.testing.assert_array_equal(getattr(some, name), getattr(region, name)[[7, 2]])
+
+
+def tip(height, side="outer", lean=0.0):
+    """Return what a floor at a height leaves of a pyramid 1 m high, 20 mm thick."""
+    base = [(-1000, -1000, 0), (1000, -1000, 0), (1000, 1000, 0), (-1000, 1000, 0)]
+    mesh = Mesh([*base, (0, 0, 1000)], [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)])
+    return thicken(mesh, 20, side=side, floor=Plane((0, 0, height), (lean, 0, 1)))
+
+
+def assert_laid_where_it_was(shell, face):
+    frames = cutting_frames(shell, face)
+    np.testing.assert_allclose(frames.solids.volumes, shell.solids.volumes, rtol=1e-9)
+    for k in range(len(shell)):
+        laid, placed = points_of(frames.solids, k), points_of(shell.solids, k)
+        np.testing.assert_allclose(laid @ frames.axes[k] + frames.origins[k], placed, atol=1e-8)
+        np.testing.assert_allclose(laid[:, :2].min(axis=0), 0.0, rtol=0, atol=1e-9)
+        assert laid[:, 2].min() >= 0.0
+        assert laid[:, 2].max() <= shell.thickness
+    solids = frames.solids
+    height = dot(solids.normals[solids.face_of_loop], solids.vertices[solids.loops])
+    np.testing.assert_allclose(height, solids.levels[solids.face_of_loop], rtol=0, atol=1e-7)
+    return solids
+
+
+@pytest.mark.parametrize("face", ["inner", "outer"])
+def test_stub_that_lost_its_inner_face_keeps_its_height_in_the_sheet(face):
+    shell = tip(1005)  # the tip of the inner faces lies at 1000
+    # above the floor the outer pyramid, of slope 1, has height h
+    h = 1000 + 20 * 2**0.5 - 1005
+    np.testing.assert_allclose(shell.volumes, (2 * h) ** 2 * h / 3 / 4, rtol=1e-9)
+    solids = assert_laid_where_it_was(shell, face)
+    np.testing.assert_allclose(solids.volumes, 4207.9, atol=0.05)
+    # the lowest point is where the outer pyramid's axis meets the floor
+    depth = h / 2**0.5
+    heights = [points_of(solids, k)[:, 2] for k in range(4)]
+    low, high = (20 - depth, 20.0) if face == "outer" else (0.0, depth)
+    for z in heights:
+        assert z.min() == pytest.approx(low, abs=1e-9)
+        assert z.max() == pytest.approx(high, abs=1e-9)
+
+
+@settings(max_examples=40)
+@given(
+    st.floats(200, 1027),
+    st.floats(-0.5, 0.5),
+    faces,
+    st.sampled_from(["outer", "inner", "centre"]),
+)
+def test_stubs_of_any_floor_are_laid_where_they_were(height, lean, face, side):
+    shell = accepted(tip, height, side, lean)
+    assert_laid_where_it_was(shell, face)

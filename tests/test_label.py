@@ -12,7 +12,7 @@ from ifs_cad.design.mesh import Mesh
 from ifs_cad.elements.arcs import bounds, distance_to_strokes
 from ifs_cad.elements.cutting import cutting_frames
 from ifs_cad.elements.glyph import bar, descent, text_positions
-from ifs_cad.elements.hole import Holes, place_holes
+from ifs_cad.elements.hole import HolePlaces, Holes, place_holes
 from ifs_cad.elements.label import HEIGHTS, Label, place_labels
 from ifs_cad.elements.polyhedron import Kind
 from ifs_cad.elements.thicken import thicken
@@ -137,6 +137,68 @@ def test_holes_make_a_label_smaller_where_they_must():
     _, _, free = placed(shell, label)
     _, _, tight = placed(shell, label, Holes(diameter=10.0, inset=40.0))
     assert tight.heights[0] < free.heights[0]
+
+
+def holes_at(shell, *places, diameter=10.0):
+    points = np.array([places], dtype=float)
+    return HolePlaces(points, np.ones(points.shape[:2], dtype=bool), diameter)
+
+
+def test_label_moves_aside_from_a_hole_in_the_middle():
+    shell, label = plate(600, 200), Label(height=56.0)
+    frames = cutting_frames(shell, "inner")
+    holes = holes_at(shell, (300, 100))
+    free = place_labels(shell.addresses, frames, label)
+    moved = place_labels(shell.addresses, frames, label, holes)
+    assert moved.heights[0] == free.heights[0] == 56.0
+    assert not np.allclose(moved.origins, free.origins)
+    low, high = bounds(moved.strokes(0)) + moved.origins[0]
+    middle, half = (low + high) / 2, (high - low) / 2
+    reach = label.groove_width / 2 + label.margin
+    assert (low >= reach - 1e-9).all()
+    assert (high <= np.array([600, 200]) - reach + 1e-9).all()
+    gap = np.maximum(np.abs(middle - [300, 100]) - half - reach, 0.0)
+    assert np.hypot(*gap) >= 5.0 - 1e-9
+    # it moves as little as one of five steps to a corner or a side of its room allows
+    room = np.array([300, 100]) - half - reach
+    tried = [
+        share * np.array(way) * room
+        for share in (0.2, 0.4, 0.6, 0.8, 1.0)
+        for way in ((1, 0), (0, 1), (1, 1), (1, -1))
+    ]
+    clear = [
+        np.hypot(*way)
+        for way in tried
+        if np.hypot(*np.maximum(np.abs(way) - half - reach, 0.0)) >= 5.0
+    ]
+    assert np.hypot(*(middle - [300, 100])) == pytest.approx(min(clear), abs=1e-9)
+
+
+@given(
+    st.lists(st.tuples(st.floats(20, 580), st.floats(20, 180)), min_size=1, max_size=6),
+    st.floats(1.0, 30.0),
+)
+def test_labels_that_move_aside_keep_their_margin(places, diameter):
+    shell, label = plate(600, 200), Label(height=56.0)
+    frames, holes = cutting_frames(shell, "inner"), holes_at(shell, *places, diameter=diameter)
+    result = accepted(place_labels, shell.addresses, frames, label, holes)
+    low, high = bounds(result.strokes(0)) + result.origins[0]
+    reach = label.groove_width / 2 + label.margin
+    assert (low >= reach - 1e-6).all()
+    assert (high <= np.array([600, 200]) - reach + 1e-6).all()
+    apart = np.maximum(np.maximum(low - places, places - high) - reach, 0.0)
+    assert (np.hypot(*apart.T) >= diameter / 2 - 1e-6).all()
+
+
+def test_label_that_cannot_move_aside_gets_smaller_or_is_refused():
+    shell, label = plate(300, 100), Label(height=56.0)
+    frames = cutting_frames(shell, "inner")
+    free = place_labels(shell.addresses, frames, label)
+    few = holes_at(shell, *[(x, 50) for x in range(30, 300, 120)])
+    assert place_labels(shell.addresses, frames, label, few).heights[0] < free.heights[0]
+    many = holes_at(shell, *[(x, y) for x in range(10, 300, 20) for y in range(10, 100, 20)])
+    with pytest.raises(LabelError, match="between the sides and holes of f0000"):
+        place_labels(shell.addresses, frames, label, many)
 
 
 def test_label_heights_are_a_stepped_series():

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -85,6 +85,11 @@ class WireFrame:
         return np.flatnonzero((twin < 0) | (np.arange(len(twin)) < twin))
 
     @property
+    def cut_from(self) -> Literal["boards"]:
+        """Beams are cut from boards."""
+        return "boards"
+
+    @property
     def thickness(self) -> float:
         """Height of the section, mm."""
         return self.height
@@ -98,6 +103,16 @@ class WireFrame:
     def along(self) -> FloatArray:
         """(e, 3) float, the direction of the beams: text runs along it."""
         return self.directions
+
+    @property
+    def fibres(self) -> FloatArray:
+        """(e, 3) float, unit vectors: the grain runs along the beams."""
+        return self.directions
+
+    @property
+    def mate_addresses(self) -> tuple[str, ...]:
+        """What the mates of the beams' faces are called: the beams."""
+        return self.addresses
 
     @cached_property
     def directions(self) -> FloatArray:

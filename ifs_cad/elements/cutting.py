@@ -101,12 +101,16 @@ def cutting_frames(
     offsets = np.full((len(elements), 3), np.inf)
     np.minimum.at(offsets, owner, turned)
     offsets = -offsets
+    caps = solids.kinds <= Kind.UPPER
+    on_top = solids.kinds == (Kind.UPPER if face == "outer" else Kind.LOWER)
+    # heights count from the faces of the sheet: the floor may have taken the lower one
+    cap = np.flatnonzero(caps)
+    anchor = turned[solids.loops[solids.face_offsets[cap]], 2]
+    offsets[solids.solid_of_face[cap], 2] = np.where(on_top[cap], thickness, 0.0) - anchor
     vertices = turned + offsets[owner]
     normals = np.einsum("fij,fj->fi", axes[solids.solid_of_face], solids.normals)
 
     # the two faces of the sheet are level to the last digit
-    caps = solids.kinds <= Kind.UPPER
-    on_top = solids.kinds == (Kind.UPPER if face == "outer" else Kind.LOWER)
     normals[caps] = np.where(on_top[caps, None], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0])
     in_cap = caps[solids.face_of_loop]
     height = np.where(on_top[solids.face_of_loop[in_cap]], thickness, 0.0)

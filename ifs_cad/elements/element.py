@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from ifs_cad.elements.material import Material
 from ifs_cad.elements.polyhedron import Polyhedra
@@ -18,7 +18,10 @@ class Elements(Protocol):
     addresses : unique names
     solids : Polyhedra, their exact shapes, mm; UPPER and LOWER faces are those of the sheet
     normals : (p, 3) float, unit vectors from the lower to the upper face
-    along : (p, 3) float or None, the grain: text runs along it; None where it runs level
+    along : (p, 3) float or None: text runs along it; None where it runs level
+    fibres : (p, 3) float or None, unit vectors along the grain; None where it may run as it likes
+    mate_addresses : names; what the mates of `solids` number
+    cut_from : "sheets" or "boards"
     thickness : float, mm
     material : Material
     tol : Tolerance
@@ -41,6 +44,18 @@ class Elements(Protocol):
         """(p, 3) float, or None."""
 
     @property
+    def fibres(self) -> FloatArray | None:
+        """(p, 3) float, unit vectors in the planes of the sheets, or None."""
+
+    @property
+    def mate_addresses(self) -> tuple[str, ...]:
+        """Names that the mates of `solids` number."""
+
+    @property
+    def cut_from(self) -> Literal["sheets", "boards"]:
+        """What the workshop cuts them from."""
+
+    @property
     def thickness(self) -> float:
         """Thickness in mm."""
 
@@ -57,3 +72,6 @@ class Elements(Protocol):
 
     def part_data(self) -> list[dict[str, Any]]:
         """Return for each element what an assembly says of its part."""
+
+    def report(self) -> Any:
+        """Return a summary whose `str()` is a table for the user."""

@@ -8,15 +8,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from ifs_cad.design.address import listed
 from ifs_cad.elements.cutting import CuttingFrames, work_faces
+from ifs_cad.elements.element import Elements
 from ifs_cad.elements.polyhedron import Kind
 from ifs_cad.errors import HoleError, InputError
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import BoolArray, FloatArray, IntArray
+
+
+class HolePattern(Protocol):
+    """A rule that says where the through-holes of elements go."""
+
+    def place(self, elements: Elements, frames: CuttingFrames) -> HolePlaces:
+        """Place the holes of every element in its cutting frame; HoleError where they cannot."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +55,10 @@ class Holes:
             )
         if self.fewest < 0:
             raise InputError(f"The fewest holes must not be negative, got {self.fewest}.")
+
+    def place(self, elements: Elements, frames: CuttingFrames) -> HolePlaces:
+        """Place the holes of every element, see `place_holes`."""
+        return place_holes(elements.addresses, frames, self, elements.tol)
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,6 +37,10 @@ HEIGHTS = (2.5, 3.5, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0, 80.0)
 """Cap heights in mm, each about the square root of two times the one before (as in ISO 3098)."""
 
 
+ASIDE = (0.2, 0.4, 0.6, 0.8, 1.0)
+"""How far a label may move from the middle to the corners of its room, to get clear of holes."""
+
+
 @dataclass(frozen=True)
 class Label:
     """How addresses are marked on panels.
@@ -155,10 +159,14 @@ def place_labels(
     for height in reversed(label.heights):
         todo = np.flatnonzero(heights == 0)
         size = height * (high - low)[todo] + label.groove_width
-        middle, fits = _middles(region.take(todo), size / 2, label.margin, tol)
+        corners, kept = _corners(region.take(todo), size / 2, label.margin, tol)
+        middle, fits = _middles(corners, kept)
         if holes is not None:
-            half = size / 2 + label.margin
-            fits &= _clear_of_holes(middle, half, holes.take(todo))
+            half, near = size / 2 + label.margin, holes.take(todo)
+            met = np.flatnonzero(fits & ~_clear_of_holes(middle, half, near))
+            middle[met], fits[met] = _moved_aside(
+                middle[met], corners[met], kept[met], half[met], near.take(met)
+            )
         heights[todo[fits]] = height
         centres[todo[fits]] = middle[fits]
     lacking = np.flatnonzero(heights == 0)
@@ -185,13 +193,13 @@ def _boxes(texts: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
     return both[:, :2], both[:, 2:]
 
 
-def _middles(
+def _corners(
     region: WorkFaces, half: FloatArray, margin: float, tol: Tolerance
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the middle of where boxes of (p, 2) half sizes may be centred, and whether they may.
+    """Return the (p, c, 2) corners of where boxes of (p, 2) half sizes may be centred.
 
     The centres that keep a box inside all sides form a convex polygon; its corners are meetings of
-    two sides that no other side cuts off, so all pairs are tried.
+    two sides that no other side cuts off, so all pairs are tried. The bools tell which hold.
     """
     a = region.inward
     limits = region.limits + margin + np.einsum("pki,pi->pk", np.abs(a), half)
@@ -211,10 +219,35 @@ def _middles(
         / np.where(meet, turn, 1.0)[..., None]
     )
     slack = np.einsum("pki,pci->pck", a, corners) - limits[:, None]
-    kept = meet & (slack >= -tol.planar).all(axis=2)
+    return corners, meet & (slack >= -tol.planar).all(axis=2)
+
+
+def _middles(corners: FloatArray, kept: BoolArray) -> tuple[FloatArray, BoolArray]:
+    """Return the (p, 2) middle of the corners of each panel that hold, and whether any does."""
     count = kept.sum(axis=1)
     total = np.where(kept[..., None], corners, 0.0).sum(axis=1)
     return total / np.maximum(count, 1)[:, None], count > 0
+
+
+def _moved_aside(
+    middle: FloatArray, corners: FloatArray, kept: BoolArray, half: FloatArray, holes: HolePlaces
+) -> tuple[FloatArray, BoolArray]:
+    """Return the place nearest to the middle that no hole touches, and whether there is one.
+
+    Places on the way out to the corners are tried, and to halfway between two of them.
+    """
+    first, second = np.triu_indices(corners.shape[1])
+    targets = (corners[:, first] + corners[:, second]) / 2
+    open_ = kept[:, first] & kept[:, second]
+    best, found = middle.copy(), np.zeros(len(middle), dtype=bool)
+    nearest = np.full(len(middle), np.inf)
+    for share in ASIDE:
+        places = middle[:, None] + share * (targets - middle[:, None])
+        for k in range(places.shape[1]):
+            away = np.hypot(*(places[:, k] - middle).T)
+            good = open_[:, k] & (away < nearest) & _clear_of_holes(places[:, k], half, holes)
+            best[good], nearest[good], found[good] = places[good, k], away[good], True
+    return best, found
 
 
 def _clear_of_holes(centres: FloatArray, half: FloatArray, holes: HolePlaces) -> BoolArray:

@@ -19,6 +19,7 @@ import numpy as np
 
 from ifs_cad.design.address import matching
 from ifs_cad.design.mesh import Mesh
+from ifs_cad.elements.fibre import Fibre, fibre_data
 from ifs_cad.elements.floor import Opening, openings
 from ifs_cad.elements.material import Material
 from ifs_cad.elements.polyhedron import Kind, Polyhedra, Prismatoids, ranges
@@ -50,6 +51,7 @@ class Shell:
     cuts : (corners, 3) float, inward unit normals of the cut planes of the mesh's half-edges
     set_backs : (corners,) float, how far each is set back, mm
     lost : addresses of the panels that lie below the floor and are not made
+    fibre : Fibre, the rule for the grain of the outer plies; None where it may run as it likes
     """
 
     mesh: Mesh
@@ -61,6 +63,7 @@ class Shell:
     cuts: FloatArray = field(repr=False)
     set_backs: FloatArray = field(repr=False)
     lost: tuple[str, ...] = ()
+    fibre: Fibre | None = None
 
     def __len__(self) -> int:
         """Return the number of panels."""
@@ -95,6 +98,11 @@ class Shell:
         return tuple(self.mesh.addresses[i] for i in self.faces)
 
     @property
+    def cut_from(self) -> Literal["sheets"]:
+        """Panels are cut from sheets."""
+        return "sheets"
+
+    @property
     def thickness(self) -> float:
         """Thickness of every panel, mm."""
         return float(self.thickening.thickness)
@@ -103,6 +111,16 @@ class Shell:
     def along(self) -> None:
         """No direction of their own: text runs level on panels."""
         return None
+
+    @cached_property
+    def fibres(self) -> FloatArray | None:
+        """(p, 3) float, unit vectors in the planes of the panels; None without a rule."""
+        return None if self.fibre is None else self.fibre.directions(self.mesh, self.faces)
+
+    @property
+    def mate_addresses(self) -> tuple[str, ...]:
+        """What the mates of the panels' faces are called: the faces of the mesh."""
+        return self.mesh.addresses
 
     @property
     def material(self) -> Material:
@@ -236,8 +254,8 @@ class Shell:
     def part_data(self) -> list[dict[str, Any]]:
         """Return for each panel what an assembly says of its part.
 
-        address, thickness (mm), area (mm2), mass (kg), and edge by edge chamfer_angles (degrees)
-        and neighbours.
+        address, thickness (mm), area (mm2), mass (kg), edge by edge chamfer_angles (degrees) and
+        neighbours, and the fibre direction as a unit vector where there is a rule for it.
         """
         angles, starts = self.chamfer_angles.tolist(), self.mesh.offsets.tolist()
         return [
@@ -248,12 +266,14 @@ class Shell:
                 "mass": mass,
                 "chamfer_angles": angles[starts[face] : starts[face + 1]],
                 "neighbours": self.mesh.neighbours(face),
+                **fibre,
             }
-            for address, area, mass, face in zip(
+            for address, area, mass, face, fibre in zip(
                 self.addresses,
                 self.areas.tolist(),
                 self.masses.tolist(),
                 self.faces.tolist(),
+                fibre_data(self.fibres, len(self)),
                 strict=True,
             )
         ]
@@ -285,6 +305,18 @@ class Shell:
             openings=self.openings,
         )
 
+    def with_fibre(self, rule: Fibre | None) -> Shell:
+        """Return the same panels with a rule for their fibre direction, or with none.
+
+        Raises
+        ------
+        InputError
+            The rule says nothing about some panels; names them.
+        """
+        ruled = replace(self, fibre=rule)
+        ruled.fibres  # noqa: B018  raises now rather than in the workshop
+        return ruled
+
     def without(self, patterns: str | Iterable[str]) -> Shell:
         """Leave panels out (a door): their neighbours' edges become square borders.
 
@@ -301,7 +333,7 @@ class Shell:
             raise InputError(f"Leaving out {patterns!r} leaves no panel.")
         gone = np.zeros(len(self.mesh), dtype=np.bool_)
         gone[self.faces[leaving]] = True
-        rest = remake(self.mesh.less(gone))
+        rest = replace(remake(self.mesh.less(gone)), fibre=self.fibre)
         made = np.zeros(len(self.mesh), dtype=np.bool_)
         made[self.faces] = True
         kept = made[~gone][rest.faces]  # a part stays a part

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import cadquery as cq
 
-from ifs_cad.design.address import digits
+from ifs_cad.design.address import prefixes
 from ifs_cad.elements.clash import require_disjoint
 from ifs_cad.elements.element import Elements
-from ifs_cad.elements.hole import Holes
+from ifs_cad.elements.hole import HolePattern
 from ifs_cad.errors import InputError
-from ifs_cad.kernel.panels import LabelChoice, MadePanel, make_panels
+from ifs_cad.kernel.panels import LabelChoice, MadePanel, as_label, make_panels
 
 STROKES_SUFFIX = "-strokes"
 """What the part that holds an address as wires adds to the name of its panel."""
@@ -22,18 +22,18 @@ def to_assembly(
     elements: Elements,
     *,
     label: LabelChoice = None,
-    holes: Holes | None = None,
+    holes: HolePattern | None = None,
     nest: int = 0,
     name: str = "shell",
     validate: bool = True,
 ) -> cq.Assembly:
-    """Return a shell, or a wire frame, as an assembly whose parts are named by address.
+    """Return a shell, a vault or a wire frame as an assembly whose parts are named by address.
 
     Parameters
     ----------
     label : Label, "engraved", "wire" or None
         The address on each panel; wires become a part of their own beside it.
-    holes : Holes, optional
+    holes : Holes or Screws, optional
     nest : int
         How many digits of the address group the panels into sub-assemblies; 0 is flat.
     name : str
@@ -48,7 +48,7 @@ def to_assembly(
         its bounding box at the origin), and a location that takes it to its place. It carries its
         panel's data in `metadata`: address, area (mm2), thickness (mm),
         volume (mm3), chamfer_angles (degrees) and neighbours, edge by edge, and the made `solid`.
-        The assembly carries the shell or wire frame as `elements`.
+        The assembly carries what it was made of as `elements`, `label` and `holes`.
 
     Raises
     ------
@@ -59,16 +59,18 @@ def to_assembly(
     InputError
         `nest` is not a number of digits that the addresses have to spare.
     """
-    prefixes = _prefixes(elements.addresses, nest)
+    groupings = _prefixes(elements.addresses, nest)
     if validate:
         require_disjoint(elements, elements.tol)
     red, green, blue = elements.material.colour
     colour = cq.Color(red, green, blue)
-    assembly = cq.Assembly(name=name, metadata={"elements": elements})
+    chosen = as_label(label)
+    origin = {"elements": elements, "label": chosen, "holes": holes}
+    assembly = cq.Assembly(name=name, metadata=origin)
     groups: dict[tuple[str, ...], cq.Assembly] = {(): assembly}
-    made = make_panels(elements, label=label, holes=holes)
+    made = make_panels(elements, label=chosen, holes=holes)
     for address, prefix, part, data in zip(
-        elements.addresses, prefixes, made, elements.part_data(), strict=True
+        elements.addresses, groupings, made, elements.part_data(), strict=True
     ):
         group = _group(groups, prefix, name)
         data |= {"volume": part.volume, "solid": part.solid}
@@ -78,6 +80,18 @@ def to_assembly(
             _add(group, part.strokes, part.location, address + STROKES_SUFFIX, None, {})
     _register(assembly)
     return assembly
+
+
+def extract(assembly: cq.Assembly, addresses: Collection[str]) -> cq.Assembly:
+    """Return some parts of an assembly made by `to_assembly`, as they are, without groups."""
+    part = cq.Assembly(name=assembly.name, metadata=assembly.metadata)
+    for address in addresses:
+        for name in (address, address + STROKES_SUFFIX):
+            if name in assembly.objects:
+                found = assembly.objects[name]
+                _add(part, found.obj, found.loc, name, found.color, found.metadata)
+    _register(part)
+    return part
 
 
 def modified_parts(assembly: cq.Assembly) -> list[str]:
@@ -95,7 +109,7 @@ def _same(shape: Any, made: cq.Solid) -> bool:
 
 def _add(
     group: cq.Assembly,
-    shape: cq.Shape,
+    shape: Any,
     place: cq.Location,
     name: str,
     colour: cq.Color | None,
@@ -128,15 +142,14 @@ def _register(assembly: cq.Assembly) -> dict[str, cq.Assembly]:
 
 
 def _prefixes(addresses: Sequence[str], nest: int) -> list[tuple[str, ...]]:
-    """Return for each panel the growing prefixes that its groups are named by."""
-    words = [digits(address) for address in addresses]
-    shortest = min(len(word) for word in words)
+    """Return for each element the growing prefixes that its groups are named by."""
+    grown = [prefixes(address) for address in addresses]
+    shortest = min(len(prefix) for prefix in grown)
     if not 0 <= nest < shortest:
         raise InputError(
             f"nest must be from 0 to {shortest - 1} for addresses like {addresses[0]}, got {nest}."
         )
-    join = "." if "." in addresses[0] else ""
-    return [tuple(join.join(word[: k + 1]) for k in range(nest)) for word in words]
+    return [tuple(prefix[:nest]) for prefix in grown]
 
 
 __all__ = ["STROKES_SUFFIX", "MadePanel", "modified_parts", "to_assembly"]

@@ -12,7 +12,7 @@ from OCP.TopLoc import TopLoc_Location
 from ifs_cad import progress
 from ifs_cad.elements.cutting import CuttingFrames, cutting_frames
 from ifs_cad.elements.element import Elements
-from ifs_cad.elements.hole import HolePlaces, Holes, place_holes
+from ifs_cad.elements.hole import HolePattern, HolePlaces
 from ifs_cad.elements.label import Label, LabelPlaces, place_labels
 from ifs_cad.elements.panel import Panel
 from ifs_cad.elements.polyhedron import Kind
@@ -43,7 +43,7 @@ class MadePanel:
 
 
 def make_panels(
-    elements: Elements, *, label: LabelChoice = None, holes: Holes | None = None
+    elements: Elements, *, label: LabelChoice = None, holes: HolePattern | None = None
 ) -> Iterator[MadePanel]:
     """Make the solid of every panel or beam, one after the other.
 
@@ -58,14 +58,16 @@ def make_panels(
         if chosen is None
         else cutting_frames(elements, chosen.face, chosen.up)
     )
-    hole_places = None if holes is None else place_holes(elements.addresses, frames, holes, tol)
+    hole_places = None if holes is None else holes.place(elements, frames)
     label_places = None
     if chosen is not None:
         label_places = place_labels(elements.addresses, frames, chosen, hole_places, tol)
     return _make(frames, label_places, hole_places)
 
 
-def to_solid(panel: Panel, *, label: LabelChoice = None, holes: Holes | None = None) -> cq.Solid:
+def to_solid(
+    panel: Panel, *, label: LabelChoice = None, holes: HolePattern | None = None
+) -> cq.Solid:
     """Return one panel as a CadQuery solid, in its place in the shell.
 
     Raises

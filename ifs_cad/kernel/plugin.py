@@ -10,7 +10,7 @@ from typing import Any
 
 import cadquery as cq
 
-from ifs_cad.elements.hole import Holes
+from ifs_cad.elements.hole import HolePattern
 from ifs_cad.elements.panel import Panel, Shell
 from ifs_cad.kernel.drawn import mesh_to_faces
 from ifs_cad.kernel.panels import LabelChoice, make_panels, to_solid
@@ -20,7 +20,7 @@ def ifs_panels(
     workplane: cq.Workplane,
     what: Shell | Panel,
     label: LabelChoice = None,
-    holes: Holes | None = None,
+    holes: HolePattern | None = None,
     combine: Any = False,
     clean: bool = False,
 ) -> cq.Workplane:

@@ -21,7 +21,9 @@ from typing import Any
 import cadquery as cq
 from cadquery import cqgi
 
+from ifs_cad.elements.beam import WireFrame
 from ifs_cad.elements.panel import Shell
+from ifs_cad.elements.vault import Vault
 from ifs_cad.errors import IfsCadError, InputError, ScriptError
 from ifs_cad.kernel.assembly import to_assembly
 
@@ -217,7 +219,7 @@ def _shown(path: Path, thing: Any, name: str) -> Shown:
     match thing:
         case cq.Assembly():
             assembly = thing
-        case Shell():
+        case Shell() | Vault() | WireFrame():
             assembly = to_assembly(thing)
         case cq.Workplane() | cq.Shape():
             assembly = cq.Assembly(thing, name=name or path.stem)

@@ -18,7 +18,7 @@ def viewable(thing: Any) -> cq.Assembly:
 
     Parameters
     ----------
-    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape or Shell
+    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape, Shell, Vault or WireFrame
         An assembly is returned as it is; of a shell every panel becomes a part.
 
     Raises
@@ -50,9 +50,11 @@ def parts(assembly: cq.Assembly) -> list[Part]:
 
 def _shell_assembly(thing: Any) -> cq.Assembly:
     # only a shell needs the rooms that make solids of it
+    from ifs_cad.elements.beam import WireFrame
     from ifs_cad.elements.panel import Shell
+    from ifs_cad.elements.vault import Vault
 
-    if not isinstance(thing, Shell):
+    if not isinstance(thing, Shell | Vault | WireFrame):
         raise InputError(
             "Only a cadquery Assembly, Workplane or Shape, or a shell can be looked at, "
             f"not a {type(thing).__name__}."

@@ -55,7 +55,7 @@ def show(
 
     Parameters
     ----------
-    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape or Shell
+    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape, Shell, Vault or WireFrame
         Names, nesting and colours of an assembly appear in the viewer's tree.
     name : str
         Root of that tree. The time is added to it, to tell this call from the others.
@@ -106,7 +106,7 @@ def show_object(
 
     Parameters
     ----------
-    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape or Shell
+    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape, Shell, Vault or WireFrame
     name : str, optional
         A name shown again replaces what had it before.
     options, **kwargs

@@ -53,7 +53,7 @@ def render(
 
     Parameters
     ----------
-    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape or Shell
+    thing : cadquery.Assembly, cadquery.Workplane, cadquery.Shape, Shell, Vault or WireFrame
         Parts keep their colours; a part without one is drawn as plywood.
     path : path
         Target, ending in ``.png``. Written beside it and renamed: an error leaves what was there.
