@@ -1,15 +1,9 @@
 """Our STEP files in programs that did not write them: gmsh, FreeCAD, and a plain Part 21 parser."""
 
-import importlib.util
-import json
-import os
-import shutil
-import subprocess
-import sys
-
 import cadquery as cq
 import numpy as np
 import pytest
+from step_readers import gmsh_model, needs_freecad, read_by_freecad, read_by_gmsh
 from steputils import p21
 
 import ifs_cad as ifs
@@ -48,24 +42,16 @@ def written(request, tmp_path_factory):
 
 @pytest.fixture
 def model():
-    try:
-        import gmsh
-    except (ImportError, OSError) as error:  # OSError: its own shared object lacks a library
-        pytest.skip(f"gmsh cannot be loaded: {error}")
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield gmsh.model
-    gmsh.finalize()
+    with gmsh_model() as empty:
+        yield empty
 
 
 def test_gmsh_finds_every_panel_with_its_name_place_and_volume(written, model):
     assembly, path = written
-    model.occ.importShapes(str(path))
-    model.occ.synchronize()
-    found = {model.getEntityName(3, tag).split("/")[-1]: tag for _, tag in model.getEntities(3)}
+    found = read_by_gmsh(model, path)
     panels = panels_of(assembly)
+    assert len(found) == 16
     assert found.keys() == panels.keys()
-    assert len(model.getEntities(3)) == 16
     for address, part in panels.items():
         volume = part.metadata["volume"]
         assert model.occ.getMass(3, found[address]) == pytest.approx(volume, rel=1e-9)
@@ -73,51 +59,10 @@ def test_gmsh_finds_every_panel_with_its_name_place_and_volume(written, model):
         assert model.occ.getCenterOfMass(3, found[address]) == pytest.approx(middle, abs=1e-6)
 
 
-FREECAD = """
-import json, os
-import FreeCAD, Import
-preferences = "User parameter:BaseApp/Preferences/Mod/Import"
-FreeCAD.ParamGet(preferences + "/hSTEP").SetBool("ReadShapeCompoundMode", False)
-FreeCAD.ParamGet(preferences).SetBool("ReduceObjects", False)
-document = FreeCAD.newDocument("read")
-Import.insert(os.environ["STEP_FILE"], document.Name)
-found = {
-    thing.Label: {
-        "group": [parent.Label for parent in thing.InList],
-        "solids": len(thing.Shape.Solids),
-        "volume": thing.Shape.Volume,
-        "placement": list(thing.getGlobalPlacement().toMatrix().A),
-    }
-    for thing in document.Objects
-    if thing.TypeId == "Part::Feature"
-}
-with open(os.environ["FOUND"], "w") as file:
-    json.dump(found, file)
-"""
-
-
-def freecad_command():
-    for name in ("freecadcmd", "FreeCADCmd"):
-        if shutil.which(name):
-            return [name]
-    return [sys.executable] if importlib.util.find_spec("FreeCAD") else None
-
-
-@pytest.mark.skipif(freecad_command() is None, reason="neither freecadcmd nor FreeCAD is installed")
+@needs_freecad
 def test_freecad_finds_every_panel_with_its_label_place_group_and_volume(written, tmp_path):
     assembly, path = written
-    script, answer = tmp_path / "read.py", tmp_path / "found.json"
-    script.write_text(FREECAD, encoding="utf-8")
-    told = {"STEP_FILE": str(path), "FOUND": str(answer), "HOME": str(tmp_path)}
-    subprocess.run(
-        [*freecad_command(), str(script)],
-        env=os.environ | told,
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        timeout=120,
-        check=True,
-    )
-    found = json.loads(answer.read_text(encoding="utf-8"))
+    found = read_by_freecad(path, tmp_path)
     parts = {part.name: part for part in assembly.objects.values() if part.obj is not None}
     assert found.keys() == parts.keys()
     for name, part in parts.items():

@@ -22,9 +22,11 @@ from OCP.STEPControl import STEPControl_AsIs
 
 from ifs_cad import progress
 from ifs_cad.errors import ExportError, InputError
+from ifs_cad.fabrication.layout import Layout
 from ifs_cad.files import replaced
 from ifs_cad.kernel.assembly import STROKES_SUFFIX
 from ifs_cad.kernel.messages import quiet
+from ifs_cad.kernel.sheet import sheet_assembly
 
 Schema = Literal["AP214", "AP242"]
 _SCHEMAS: dict[str, str] = {"AP214": "AP214IS", "AP242": "AP242DIS"}
@@ -113,6 +115,43 @@ def export_panels(
                 alone.add(parts[name].obj, name=name, color=parts[name].color)
         written.append(export_step(alone, Path(folder) / f"{address}.step", schema=schema))
         progress.report("writing flat panels", number + 1, len(present))
+    return written
+
+
+def export_sheets(
+    layout: Layout,
+    assembly: cq.Assembly,
+    folder: str | os.PathLike[str],
+    *,
+    schema: Schema = "AP214",
+) -> list[Path]:
+    """Write each nested sheet as a STEP file: panels lying in place, named by address.
+
+    The engraved face lies on top, z up, the origin at the lower left corner of the sheet. A part
+    that the user modified is written as it is now.
+
+    Parameters
+    ----------
+    layout : Layout
+        Made of workpieces with the same label as the assembly.
+    assembly : cadquery.Assembly, made by `to_assembly`
+    folder : where the files go, named as the sheets; made when missing
+
+    Returns
+    -------
+    Paths of the written files, in the order of the sheets.
+
+    Raises
+    ------
+    InputError
+        The layout holds what is not in the assembly; raised before the first file is written.
+    ExportError
+    """
+    assemblies = [sheet_assembly(sheet, assembly) for sheet in layout.sheets]
+    written = []
+    for number, laid in enumerate(assemblies):
+        written.append(export_step(laid, Path(folder) / f"{laid.name}.step", schema=schema))
+        progress.report("writing sheets", number + 1, len(assemblies))
     return written
 
 

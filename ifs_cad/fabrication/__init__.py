@@ -1,0 +1,1 @@
+"""How elements are cut: stock, boards, nesting, operations."""
