@@ -26,8 +26,8 @@ Made by `python benchmarks/run.py --write benchmarks/results.md` on: {machine}.
 
 Best of repetitions taken in turns (A B A B ...) in one run; the time of a repetition is the smaller
 of its wall and its processor time. Noise is the median wall time over the best time: 1 on a quiet
-machine. The panels are {thickness:g} mm thick, over a rough arch and a rough fold; the planks follow
-a Bezier curve.
+machine. The panels are {thickness:g} mm thick, over a rough arch and a rough fold; the planks
+follow a Bezier curve.
 
 """
 

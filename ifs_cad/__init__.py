@@ -31,18 +31,35 @@ if TYPE_CHECKING:
     from ifs_cad.design.meshfile import read_mesh
     from ifs_cad.design.spline import clamped_knots, spline, spline_segment, uniform_knots
     from ifs_cad.design.subdivision import SubdivisionSets
+    from ifs_cad.design.subdivision_control import iteration_depths
     from ifs_cad.design.surface import vector_sum
     from ifs_cad.design.transform import Scheme
     from ifs_cad.design.triangles import TriangularPatch
     from ifs_cad.elements.beam import WireFrame
     from ifs_cad.elements.clash import clashes
+    from ifs_cad.elements.fibre import FibreAlongCurve, FibreAlongEdge, FibreTowards
     from ifs_cad.elements.hole import Holes
     from ifs_cad.elements.label import Label
     from ifs_cad.elements.material import Material
     from ifs_cad.elements.panel import Panel, Shell
+    from ifs_cad.elements.screw import Screws
     from ifs_cad.elements.thicken import thicken
+    from ifs_cad.elements.vault import Vault, vault
     from ifs_cad.errors import IfsCadError
-    from ifs_cad.export.step import export_panels, export_step
+    from ifs_cad.export.cutlist import export_csv, export_xlsx
+    from ifs_cad.export.drawing import (
+        export_board_drawings,
+        export_element_drawings,
+        export_sheet_drawings,
+    )
+    from ifs_cad.export.dxf import export_dxf
+    from ifs_cad.export.step import export_panels, export_sheets, export_step
+    from ifs_cad.fabrication.boards import cut_boards
+    from ifs_cad.fabrication.cutlist import cut_list
+    from ifs_cad.fabrication.nesting import nest
+    from ifs_cad.fabrication.operations import workpieces
+    from ifs_cad.fabrication.planklist import plank_list
+    from ifs_cad.fabrication.stock import Board, Sheet, Stock, read_stock
     from ifs_cad.kernel.assembly import to_assembly
     from ifs_cad.kernel.drawn import mesh_to_faces, to_dots, to_faces, to_wire, to_wires
     from ifs_cad.kernel.instance import place_germ
@@ -52,16 +69,21 @@ if TYPE_CHECKING:
     from ifs_cad.view.preview import show, show_object
     from ifs_cad.view.render import render
     from ifs_cad.workflow.check import check_step
+    from ifs_cad.workflow.fabricate import fabricate
 
     __version__: str
 
 __all__ = [
+    "Board",
     "ConstraintReport",
     "Continuity",
     "Convexity",
     "Curve",
     "Developable",
     "DevelopableStrips",
+    "FibreAlongCurve",
+    "FibreAlongEdge",
+    "FibreTowards",
     "Figure",
     "Germ",
     "Handle",
@@ -78,10 +100,14 @@ __all__ = [
     "Planarity",
     "Plane",
     "Scheme",
+    "Screws",
+    "Sheet",
     "Shell",
+    "Stock",
     "SubdivisionSets",
     "Tolerance",
     "TriangularPatch",
+    "Vault",
     "WireFrame",
     "arc",
     "arc_through",
@@ -91,17 +117,31 @@ __all__ = [
     "clashes",
     "classics",
     "conic",
+    "cut_boards",
+    "cut_list",
     "dome",
     "ellipse",
+    "export_board_drawings",
+    "export_csv",
+    "export_dxf",
+    "export_element_drawings",
     "export_panels",
+    "export_sheet_drawings",
+    "export_sheets",
     "export_step",
+    "export_xlsx",
+    "fabricate",
     "flat_strips",
     "handles",
     "hyperbola",
+    "iteration_depths",
     "mesh_to_faces",
+    "nest",
     "parabola",
     "place_germ",
+    "plank_list",
     "read_mesh",
+    "read_stock",
     "render",
     "show",
     "show_object",
@@ -115,16 +155,22 @@ __all__ = [
     "to_wire",
     "to_wires",
     "uniform_knots",
+    "vault",
     "vector_sum",
+    "workpieces",
 ]
 
 _HOMES = {
+    "Board": "fabrication.stock",
     "ConstraintReport": "design.constraint",
     "Continuity": "design.connection",
     "Convexity": "design.form",
     "Curve": "design.curve",
     "Developable": "design.development",
     "DevelopableStrips": "design.development",
+    "FibreAlongCurve": "elements.fibre",
+    "FibreAlongEdge": "elements.fibre",
+    "FibreTowards": "elements.fibre",
     "Figure": "design.figure",
     "Germ": "design.germ",
     "Handle": "design.handle",
@@ -141,10 +187,14 @@ _HOMES = {
     "Planarity": "design.form",
     "Plane": "types",
     "Scheme": "design.transform",
+    "Screws": "elements.screw",
+    "Sheet": "fabrication.stock",
     "Shell": "elements.panel",
+    "Stock": "fabrication.stock",
     "SubdivisionSets": "design.subdivision",
     "Tolerance": "tolerance",
     "TriangularPatch": "design.triangles",
+    "Vault": "elements.vault",
     "WireFrame": "elements.beam",
     "arc": "design.conic",
     "arc_through": "design.conic",
@@ -154,17 +204,31 @@ _HOMES = {
     "clashes": "elements.clash",
     "classics": "design",
     "conic": "design.conic",
+    "cut_boards": "fabrication.boards",
+    "cut_list": "fabrication.cutlist",
     "dome": "design.dome",
     "ellipse": "design.conic",
+    "export_board_drawings": "export.drawing",
+    "export_csv": "export.cutlist",
+    "export_dxf": "export.dxf",
+    "export_element_drawings": "export.drawing",
     "export_panels": "export.step",
+    "export_sheet_drawings": "export.drawing",
+    "export_sheets": "export.step",
     "export_step": "export.step",
+    "export_xlsx": "export.cutlist",
+    "fabricate": "workflow.fabricate",
     "flat_strips": "design.development",
     "handles": "design.handle",
     "hyperbola": "design.conic",
+    "iteration_depths": "design.subdivision_control",
     "mesh_to_faces": "kernel.drawn",
+    "nest": "fabrication.nesting",
     "parabola": "design.conic",
     "place_germ": "kernel.instance",
+    "plank_list": "fabrication.planklist",
     "read_mesh": "design.meshfile",
+    "read_stock": "fabrication.stock",
     "render": "view.render",
     "show": "view.preview",
     "show_object": "view.preview",
@@ -178,7 +242,9 @@ _HOMES = {
     "to_wire": "kernel.drawn",
     "to_wires": "kernel.drawn",
     "uniform_knots": "design.spline",
+    "vault": "elements.vault",
     "vector_sum": "design.surface",
+    "workpieces": "fabrication.operations",
 }
 
 

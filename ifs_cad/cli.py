@@ -1,4 +1,4 @@
-"""The command line: ``ifs-cad build``, ``check``, ``render`` and ``show``.
+"""The command line: ``ifs-cad build``, ``check``, ``fabricate``, ``render`` and ``show``.
 
 Exit codes: 0 done, 1 an error or a failed check, 2 a wrong command line, 130 interrupted.
 """
@@ -23,6 +23,13 @@ class Schema(StrEnum):
 
     AP214 = "AP214"
     AP242 = "AP242"
+
+
+class Side(StrEnum):
+    """The two faces of a panel."""
+
+    inner = "inner"
+    outer = "outer"
 
 
 class _Commands(TyperGroup):
@@ -141,6 +148,65 @@ def check(
         typer.echo(report["text"], err=quiet)
     if not good:
         raise typer.Exit(1)
+
+
+@app.command()
+def fabricate(
+    script: Script,
+    settings: Settings = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder of all exports.")] = Path(
+        "exports"
+    ),
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATTERN", help="Make these addresses only, as 03*. Can be repeated."),
+    ] = None,
+    stock: Annotated[
+        Path | None, typer.Option(help="A TOML file of sheets and boards.", show_default=False)
+    ] = None,
+    use: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="A sheet or board to use. Can be repeated."),
+    ] = None,
+    visible: Annotated[
+        Side | None, typer.Option(help="The face that is seen in the building.")
+    ] = None,
+    cutter: Annotated[float, typer.Option(help="Diameter of the contour cutter, mm.")] = 12.0,
+    margin: Annotated[float, typer.Option(help="Kept free along the edge of sheets, mm.")] = 10.0,
+    kerf: Annotated[float, typer.Option(help="Width of the saw cut between planks, mm.")] = 4.0,
+    trim: Annotated[float, typer.Option(help="Cut off each end of a board, mm.")] = 10.0,
+    thorough: Annotated[
+        float | None, typer.Option(metavar="SECONDS", help="Look longer for a better nest.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Write all that a workshop needs: solids, nested sheets or boards, drawings, lists.
+
+    The folder is named after the script; open its index.html. It takes the place of the former one
+    as a whole.
+    """
+    from ifs_cad.fabrication.workshop import Workshop
+    from ifs_cad.workflow.display import display
+    from ifs_cad.workflow.fabricate import fabricate as run_fabricate
+
+    workshop = Workshop(
+        stock=None if stock is None else str(stock),
+        use=tuple(use or ()),
+        only=tuple(only or ()),
+        visible=None if visible is None else visible.value,
+        cutter=cutter,
+        margin=margin,
+        kerf=kerf,
+        trim=trim,
+        method="fast" if thorough is None else "thorough",
+        seconds=60.0 if thorough is None else thorough,
+    )
+    with display(quiet) as listener:
+        result = run_fabricate(
+            script, settings=dict(settings or ()), out=out, workshop=workshop, listener=listener
+        )
+    if not quiet:
+        typer.echo(result.summary())
 
 
 @app.command()

@@ -29,7 +29,7 @@ def test_points_in_the_plane_are_those_of_the_curve():
     assert np.linalg.det(layers.axes) == pytest.approx(1.0)
     np.testing.assert_allclose(layers.across, [0, 1, 0], atol=1e-12)
     moved = layers.spatial(layers.points[:2], np.array([10.0, 20.0]))
-    np.testing.assert_allclose(moved, ARCH.points[:2] + [[0, 10, 0], [0, 20, 0]], atol=1e-9)
+    np.testing.assert_allclose(moved, ARCH.points[:2] + np.array([[0, 10, 0], [0, 20, 0]]), atol=1e-9)
 
 
 def test_neighbours_follow_each_other_within_a_layer_only():
@@ -141,7 +141,7 @@ def test_outside_is_away_from_the_chord_whichever_way_the_curve_is_drawn(turned)
 
 
 def test_scaled_layers_scale_all_points():
-    layers = read_layers(ARCH.points + [7, 8, 9], 2, False, None)
+    layers = read_layers(ARCH.points + np.array([7, 8, 9]), 2, False, None)
     np.testing.assert_allclose(
         points_of_layer(layers.scaled(0.1), 1), 0.1 * points_of_layer(layers, 1), atol=1e-12
     )
@@ -190,7 +190,7 @@ def test_curves_that_make_no_layers_are_refused(curves, options, error, said):
 
 
 def test_planes_that_are_not_parallel_are_refused():
-    leaning = np.array(HALF_RING) + [(0, 0, 0), (0, 10, 0), (0, 0, 0)]
+    leaning = np.array(HALF_RING) + np.array([(0, 0, 0), (0, 10, 0), (0, 0, 0)])
     with pytest.raises(PlanarityError, match="layer 1 leaves") as caught:
         read_layers([HALF_RING, leaning], None, False, (0, 1, 0))
     assert caught.value.values["layer"] == 1

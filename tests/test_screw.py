@@ -145,7 +145,8 @@ def test_screws_of_the_next_pair_of_layers_stand_on_the_other_half():
     holes = holes_of(vault, Screws(5.0, spacing=400, **BARE))
     assert [len(places) for places in holes] == [4, 8, 8, 4]
     first, second = holes[0][:, 0], holes[3][:, 0]
-    assert (first[0] * second[0] > 0) and abs(first[0]) >= 15  # layers 0-1 and 2-3 alike
+    assert first[0] * second[0] > 0  # layers 0-1 and 2-3 alike
+    assert abs(first[0]) >= 15
     middle = set(np.round(holes[1][:, 0], 6))
     assert len(middle) == 2
     assert min(middle) < 0 < max(middle)
@@ -180,7 +181,7 @@ def test_too_few_screws_name_the_planks(length, width):
 
 
 def test_planks_that_nothing_overlaps_are_named():
-    far = ifs.vault([STRAIGHT, np.array(STRAIGHT) + [400, 0, 0]], 160, 40, across=(0, 1, 0))
+    far = ifs.vault([STRAIGHT, np.array(STRAIGHT) + np.array([400, 0, 0])], 160, 40, across=(0, 1, 0))
     with pytest.raises(HoleError, match=r"fewer than 1 screws.*overlap more"):
         holes_of(far, Screws(fewest=1))
 

@@ -117,6 +117,28 @@ def build(
     return {"files": files, "reports": reports, "modified": modified}
 
 
+def fabricate(
+    script: str, settings: Mapping[str, str], stage: str, workshop: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Run a part script and write all that a workshop needs into the folder `stage`."""
+    from ifs_cad.fabrication.workshop import Workshop
+
+    shown = _shown(script, settings)
+    if len(shown) != 1:
+        raise ScriptError(
+            f"{script} showed {len(shown)} things; only one can be made at a time. Show one."
+        )
+    progress.report("loading the tools of the workshop")
+    folder = load("ifs_cad.workflow.folder")
+    path, name = Path(stage), Path(script).stem
+    path.mkdir(parents=True)
+    made: dict[str, Any] = folder.make_folder(shown[0].assembly, path, name, Workshop(**workshop))
+    progress.report("checksums")
+    facts = {"part": Path(script).name, "settings": dict(settings), "workshop": dict(workshop)}
+    load("ifs_cad.workflow.manifest").write_manifest(path, facts)
+    return made
+
+
 def render(
     source: str, settings: Mapping[str, str], path: str, options: Mapping[str, Any]
 ) -> dict[str, Any]:
@@ -151,6 +173,7 @@ def check(path: str) -> dict[str, Any]:
 JOBS: dict[str, Callable[..., dict[str, Any]]] = {
     "build": build,
     "check": check,
+    "fabricate": fabricate,
     "render": render,
     "show": show,
 }
