@@ -29,6 +29,9 @@ VOID = {"meta", "img", "input"}
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
+TIMES = "\N{MULTIPLICATION SIGN}"
+
+
 class Page(HTMLParser):
     """What a parser finds: elements with their attributes and text, and whether they nest."""
 
@@ -220,8 +223,9 @@ def test_the_cut_list_holds_every_element_in_order(folder):
     assert [cell["text"] for cell in part.all("a")] == [e.sheet for e in entries]
     for row, entry in zip(rows, entries, strict=True):
         for edge in entry.edges:
+            inclination = f"{edge.inclination:.2f}".replace("-0.00", "0.00")
             beyond = edge.neighbour or edge.kind
-            assert f"{edge.upper:.1f} ∠ {edge.inclination:.2f}° | {beyond}" in row["text"]
+            assert f"{edge.upper:.1f} ∠ {inclination}° | {beyond}" in row["text"]
 
 
 def test_sheets_are_listed_drawn_and_linked(folder):
@@ -231,11 +235,13 @@ def test_sheets_are_listed_drawn_and_linked(folder):
     assert len(sheets) > 1
     listed = page.section("stock")
     bought, *rows = [row["text"] for row in listed.all("tr") if "ply" in row["text"]]
-    assert bought == f"ply <9> & more1200 × 1250 × 10{len(sheets)}{40 * len(sheets):.2f}"
+    assert (
+        bought == f"ply <9> & more1200 {TIMES} 1250 {TIMES} 10{len(sheets)}{40 * len(sheets):.2f}"
+    )
     for sheet, row in zip(sheets, rows, strict=True):
         assert row.startswith(sheet.name)
         assert f"{len(sheet.placements)}{sheet.utilisation:.1%}" in row
-        assert "{:.0f} × {:.0f}".format(*sheet.offcuts[0, 2:]) in row
+        assert f"{sheet.offcuts[0, 2]:.0f} {TIMES} {sheet.offcuts[0, 3]:.0f}" in row
     assert rows[0].endswith("DXF STEP")
     figures = page.section("drawings").all("figure")
     assert [figure["id"] for figure in figures] == [sheet.name for sheet in sheets]
@@ -274,7 +280,7 @@ def test_a_vault_shows_boards_to_buy_waste_and_bound(folder):
     assert "it is proven that none does with less" in said
     rows = [row["text"] for row in part.all("tr")]
     for stock, count in plan.bought:
-        size = f"{stock.length:g} × {stock.width:g} × {stock.thickness:g}"
+        size = f"{stock.length:g} {TIMES} {stock.width:g} {TIMES} {stock.thickness:g}"
         assert any(row.startswith(f"{stock.name}{size}{count}") for row in rows)
     figures = page.section("drawings").all("figure")
     assert [figure["id"] for figure in figures] == [board.name for board in plan.boards]
