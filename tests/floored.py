@@ -33,7 +33,7 @@ def prism(ring, kinds, address, lower, upper) -> Workpiece:
     (piece,) = workpieces(plate(LONG, WIDE, THICK))
     section = np.array(ring, dtype=float)
     near = np.insert(section, 1, 0.0, axis=1)
-    far = near + [0.0, WIDE, 0.0]
+    far = near + np.array([0.0, WIDE, 0.0])
     sides = [
         Side(near, np.array([0.0, -1.0, 0.0]), 0.0, "border", ""),
         Side(far[::-1], np.array([0.0, 1.0, 0.0]), 0.0, "border", ""),

@@ -29,7 +29,9 @@ def test_points_in_the_plane_are_those_of_the_curve():
     assert np.linalg.det(layers.axes) == pytest.approx(1.0)
     np.testing.assert_allclose(layers.across, [0, 1, 0], atol=1e-12)
     moved = layers.spatial(layers.points[:2], np.array([10.0, 20.0]))
-    np.testing.assert_allclose(moved, ARCH.points[:2] + np.array([[0, 10, 0], [0, 20, 0]]), atol=1e-9)
+    np.testing.assert_allclose(
+        moved, ARCH.points[:2] + np.array([[0, 10, 0], [0, 20, 0]]), atol=1e-9
+    )
 
 
 def test_neighbours_follow_each_other_within_a_layer_only():

@@ -181,7 +181,9 @@ def test_too_few_screws_name_the_planks(length, width):
 
 
 def test_planks_that_nothing_overlaps_are_named():
-    far = ifs.vault([STRAIGHT, np.array(STRAIGHT) + np.array([400, 0, 0])], 160, 40, across=(0, 1, 0))
+    far = ifs.vault(
+        [STRAIGHT, np.array(STRAIGHT) + np.array([400, 0, 0])], 160, 40, across=(0, 1, 0)
+    )
     with pytest.raises(HoleError, match=r"fewer than 1 screws.*overlap more"):
         holes_of(far, Screws(fewest=1))
 
