@@ -23,7 +23,7 @@ ROOMS = [
     {"errors", "files", "libraries", "progress", "tolerance", "types", "vectors"},
     {"design"},
     {"elements"},
-    {"design_file"},
+    {"design_file", "design_record", "design_script", "design_text"},
     {"fabrication"},
     {"structure"},
     {"kernel"},

@@ -1,4 +1,4 @@
-"""Where a model comes from: a part script, or a STEP file.
+"""Where a model comes from: a part script, a design file, or a STEP file.
 
 A part script is an ordinary CadQuery script, run through CadQuery's gateway interface (CQGI).
 A *parameter* is a literal assigned at the top level of the script: a number, a text, True or
@@ -21,6 +21,8 @@ from typing import Any
 import cadquery as cq
 from cadquery import cqgi
 
+from ifs_cad import design_file
+from ifs_cad.design_record import Design
 from ifs_cad.elements.beam import WireFrame
 from ifs_cad.elements.panel import Shell
 from ifs_cad.elements.vault import Vault
@@ -79,13 +81,14 @@ class _Signs(ast.NodeTransformer):
 
 
 def run_script(path: Path, settings: Mapping[str, str]) -> list[Shown]:
-    """Run a part script and return what it showed, in order.
+    """Run a part script and return what it showed, in order; a design file shows its shell.
 
     Parameters
     ----------
     path : Path
     settings : mapping of str to str
-        Parameters to change, as text; each is read as the type of the script's own value.
+        Parameters to change, as text; each is read as the type of the script's own value. Of a
+        design file its values, see `design_file.with_settings`.
 
     Raises
     ------
@@ -95,6 +98,10 @@ def run_script(path: Path, settings: Mapping[str, str]) -> list[Shown]:
         The script failed (the message has its line), showed nothing, or something that is not
         a CadQuery shape.
     """
+    if path.suffix.lower() == design_file.SUFFIX:
+        design = design_file.read_design(path)
+        design = design_file.with_settings(design, settings, str(path))
+        return [Shown("shell", design_assembly(design))]
     model = _parse(path)
     model.set_param_values(_values(path, model.metadata.parameters, settings))
     collector = _Collector()
@@ -104,6 +111,13 @@ def run_script(path: Path, settings: Mapping[str, str]) -> list[Shown]:
             f'{path} showed nothing to make. Call show_object(assembly, name="shell") in it.'
         )
     return [_shown(path, thing, name) for thing, name in collector.shown]
+
+
+def design_assembly(design: Design) -> cq.Assembly:
+    """Return the shell of a saved design as an assembly, with its labels and holes."""
+    return to_assembly(
+        design.shell(), label=design.label, holes=design.holes, nest=design.nest, name="shell"
+    )
 
 
 def _parse(path: Path) -> cqgi.CQModel:
