@@ -37,7 +37,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description="Measure ifs_cad side by side with its peers.",
     )
-    parser.add_argument("--only", default="abcdefgh", metavar="LETTERS", help="from a to h")
+    parser.add_argument("--only", default="abcdefghij", metavar="LETTERS", help="from a to j")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
     parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
     parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
@@ -81,6 +81,14 @@ def measured(letters: set[str], quick: bool) -> Iterator[Line]:
         import step_file
 
         yield from (x for x in step_file.measure(1 if quick else 5) if x.key in letters)
+    if "i" in letters:
+        import workshop
+
+        yield from workshop.measure_nesting(quick)
+    if "j" in letters:
+        import workshop
+
+        yield from workshop.measure_folder()
     if "f" in letters:
         import memory
 

@@ -35,17 +35,21 @@ if TYPE_CHECKING:
     from ifs_cad.design.surface import vector_sum
     from ifs_cad.design.transform import Scheme
     from ifs_cad.design.triangles import TriangularPatch
+    from ifs_cad.design_file import presets, read_design, write_design
+    from ifs_cad.design_record import Design
+    from ifs_cad.design_script import to_script
     from ifs_cad.elements.beam import WireFrame
     from ifs_cad.elements.clash import clashes
     from ifs_cad.elements.fibre import FibreAlongCurve, FibreAlongEdge, FibreTowards
     from ifs_cad.elements.hole import Holes
     from ifs_cad.elements.label import Label
-    from ifs_cad.elements.material import Material
+    from ifs_cad.elements.material import Material, Stiffness, Strength
     from ifs_cad.elements.panel import Panel, Shell
     from ifs_cad.elements.screw import Screws
     from ifs_cad.elements.thicken import thicken
     from ifs_cad.elements.vault import Vault, vault
     from ifs_cad.errors import IfsCadError
+    from ifs_cad.export.btlx import export_btlx
     from ifs_cad.export.cutlist import export_csv, export_xlsx
     from ifs_cad.export.drawing import (
         export_board_drawings,
@@ -59,11 +63,17 @@ if TYPE_CHECKING:
     from ifs_cad.fabrication.nesting import nest
     from ifs_cad.fabrication.operations import workpieces
     from ifs_cad.fabrication.planklist import plank_list
+    from ifs_cad.fabrication.saw import saw_list, square_workpieces
     from ifs_cad.fabrication.stock import Board, Sheet, Stock, read_stock
     from ifs_cad.kernel.assembly import to_assembly
     from ifs_cad.kernel.drawn import mesh_to_faces, to_dots, to_faces, to_wire, to_wires
     from ifs_cad.kernel.instance import place_germ
     from ifs_cad.kernel.panels import to_solid
+    from ifs_cad.structure.analyse import analyse
+    from ifs_cad.structure.load import AreaLoad, PointLoad, SelfWeight
+    from ifs_cad.structure.modes import natural_frequencies
+    from ifs_cad.structure.nonlinear import analyse_nonlinear
+    from ifs_cad.structure.support import Support
     from ifs_cad.tolerance import Tolerance
     from ifs_cad.types import Plane
     from ifs_cad.view.preview import show, show_object
@@ -74,11 +84,13 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "AreaLoad",
     "Board",
     "ConstraintReport",
     "Continuity",
     "Convexity",
     "Curve",
+    "Design",
     "Developable",
     "DevelopableStrips",
     "FibreAlongCurve",
@@ -99,16 +111,23 @@ __all__ = [
     "Panel",
     "Planarity",
     "Plane",
+    "PointLoad",
     "Scheme",
     "Screws",
+    "SelfWeight",
     "Sheet",
     "Shell",
+    "Stiffness",
     "Stock",
+    "Strength",
     "SubdivisionSets",
+    "Support",
     "Tolerance",
     "TriangularPatch",
     "Vault",
     "WireFrame",
+    "analyse",
+    "analyse_nonlinear",
     "arc",
     "arc_through",
     "check_constraints",
@@ -122,6 +141,7 @@ __all__ = [
     "dome",
     "ellipse",
     "export_board_drawings",
+    "export_btlx",
     "export_csv",
     "export_dxf",
     "export_element_drawings",
@@ -136,21 +156,27 @@ __all__ = [
     "hyperbola",
     "iteration_depths",
     "mesh_to_faces",
+    "natural_frequencies",
     "nest",
     "parabola",
     "place_germ",
     "plank_list",
+    "presets",
+    "read_design",
     "read_mesh",
     "read_stock",
     "render",
+    "saw_list",
     "show",
     "show_object",
     "spline",
     "spline_segment",
+    "square_workpieces",
     "thicken",
     "to_assembly",
     "to_dots",
     "to_faces",
+    "to_script",
     "to_solid",
     "to_wire",
     "to_wires",
@@ -158,14 +184,17 @@ __all__ = [
     "vault",
     "vector_sum",
     "workpieces",
+    "write_design",
 ]
 
 _HOMES = {
+    "AreaLoad": "structure.load",
     "Board": "fabrication.stock",
     "ConstraintReport": "design.constraint",
     "Continuity": "design.connection",
     "Convexity": "design.form",
     "Curve": "design.curve",
+    "Design": "design_record",
     "Developable": "design.development",
     "DevelopableStrips": "design.development",
     "FibreAlongCurve": "elements.fibre",
@@ -186,16 +215,23 @@ _HOMES = {
     "Panel": "elements.panel",
     "Planarity": "design.form",
     "Plane": "types",
+    "PointLoad": "structure.load",
     "Scheme": "design.transform",
     "Screws": "elements.screw",
+    "SelfWeight": "structure.load",
     "Sheet": "fabrication.stock",
     "Shell": "elements.panel",
+    "Stiffness": "elements.material",
     "Stock": "fabrication.stock",
+    "Strength": "elements.material",
     "SubdivisionSets": "design.subdivision",
+    "Support": "structure.support",
     "Tolerance": "tolerance",
     "TriangularPatch": "design.triangles",
     "Vault": "elements.vault",
     "WireFrame": "elements.beam",
+    "analyse": "structure.analyse",
+    "analyse_nonlinear": "structure.nonlinear",
     "arc": "design.conic",
     "arc_through": "design.conic",
     "check_constraints": "design.constraint",
@@ -209,6 +245,7 @@ _HOMES = {
     "dome": "design.dome",
     "ellipse": "design.conic",
     "export_board_drawings": "export.drawing",
+    "export_btlx": "export.btlx",
     "export_csv": "export.cutlist",
     "export_dxf": "export.dxf",
     "export_element_drawings": "export.drawing",
@@ -223,21 +260,27 @@ _HOMES = {
     "hyperbola": "design.conic",
     "iteration_depths": "design.subdivision_control",
     "mesh_to_faces": "kernel.drawn",
+    "natural_frequencies": "structure.modes",
     "nest": "fabrication.nesting",
     "parabola": "design.conic",
     "place_germ": "kernel.instance",
     "plank_list": "fabrication.planklist",
+    "presets": "design_file",
+    "read_design": "design_file",
     "read_mesh": "design.meshfile",
     "read_stock": "fabrication.stock",
     "render": "view.render",
+    "saw_list": "fabrication.saw",
     "show": "view.preview",
     "show_object": "view.preview",
     "spline": "design.spline",
     "spline_segment": "design.spline",
+    "square_workpieces": "fabrication.saw",
     "thicken": "elements.thicken",
     "to_assembly": "kernel.assembly",
     "to_dots": "kernel.drawn",
     "to_faces": "kernel.drawn",
+    "to_script": "design_script",
     "to_solid": "kernel.panels",
     "to_wire": "kernel.drawn",
     "to_wires": "kernel.drawn",
@@ -245,6 +288,7 @@ _HOMES = {
     "vault": "elements.vault",
     "vector_sum": "design.surface",
     "workpieces": "fabrication.operations",
+    "write_design": "design_file",
 }
 
 

@@ -110,6 +110,17 @@ def test_rows_of_a_tube_close_at_its_top():
     assert sorted(steps[-2:]) == [4, 5]
 
 
+def test_a_wall_goes_up_by_level_courses_whichever_curve_stands():
+    level, standing = ([(0, 400 * k, 0) for k in range(5)], [(0, 0, 400 * k) for k in range(3)])
+    for curves, what in (((level, standing), "column"), ((standing, level), "row")):
+        wall = thicken(vector_sum(*curves), 10.0)
+        steps = assembly_steps(wall)
+        assert [step.name for step in steps] == [f"{what} 1 of 2", f"{what} 2 of 2"]
+        heights = wall.mesh.centroids[wall.faces, 2]
+        for step, height in zip(steps, (200.0, 600.0), strict=True):
+            np.testing.assert_allclose(heights[list(step.elements)], [height] * 4)
+
+
 def test_rows_keep_their_numbers_where_panels_are_left_out():
     arch = [(0, 0), (200, 700), (900, 1200), (1700, 1200), (2400, 800), (2600, 0)]
     whole = shell_over(arch)

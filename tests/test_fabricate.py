@@ -87,6 +87,7 @@ def test_folder_holds_all_that_a_workshop_needs(shell_folder):
     places = {p.relative_to(shell_folder).as_posix() for p in shell_folder.rglob("*.*")}
     assert {
         "dome.step",
+        "dome.btlx",
         "dome.png",
         "index.html",
         NAME,
@@ -97,6 +98,8 @@ def test_folder_holds_all_that_a_workshop_needs(shell_folder):
         "drawings/assembly.pdf",
         "lists/cut_list.csv",
         "lists/cut_list.xlsx",
+        "lists/saw_list.csv",
+        "lists/saw_list.xlsx",
     } <= places
     assert len([p for p in places if p.endswith(".part")]) == 0
 

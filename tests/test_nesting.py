@@ -272,7 +272,7 @@ def test_report_tells_sheets_utilisation_bound_and_offcuts() -> None:
     layout = nest([rectangle("a", 1230.0, 1230.0)], [SHEET], spacing=20.0)
     assert layout.bound == 1
     assert str(layout) == (
-        "1 pieces on 1 sheets, 48.4% used; by area alone 1 sheets; 1.55 m2 of offcuts worth keeping"
+        "1 pieces on 1 sheet, 48.4% used; by area alone 1; 1.55 m2 of offcuts worth keeping"
     )
     assert "sheet-01: big, 2500 x 1250 mm, 1 pieces, 48.4% used, offcuts 1240 x 1250" in (
         layout.report()

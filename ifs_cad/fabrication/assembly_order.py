@@ -1,8 +1,9 @@
 """Assembly order: which elements are put up together, and in which order.
 
-A *step* is what is put up between two looks at the plan: a layer of a vault; a row of a vector sum,
-the panels between two neighbouring lines of its first curve; else the elements whose addresses
-share a prefix.
+A *step* is what is put up between two looks at the plan: a layer of a vault; a row or a column of a
+vector sum, whichever are more level; else the elements whose addresses share a prefix. A *row* lies
+between two neighbouring lines across the first curve, a *column* across the second. An arch over
+its first curve goes up by rows, a dome by the rings around its axis.
 
 Layers follow each other. The steps of a shell grow from the ground: next comes the lowest of those
 that stand on the ground or touch what stands already. So the rows of an arch rise from both feet
@@ -92,10 +93,10 @@ def _groups(elements: Elements, chosen: IntArray) -> tuple[IntArray, list[str]]:
         return elements.layer[chosen], [
             f"layer L{layer:0{digits}}" for layer in range(elements.segments.count)
         ]
-    rows = _rows(elements)
-    if rows is not None:
-        count, row = rows
-        return row[chosen], [f"row {place} of {count}" for place in range(1, count + 1)]
+    courses = _courses(elements)
+    if courses is not None:
+        what, count, course = courses
+        return course[chosen], [f"{what} {place} of {count}" for place in range(1, count + 1)]
     grown = [prefixes(elements.addresses[k]) for k in chosen]
     length = 1
     while True:
@@ -107,8 +108,11 @@ def _groups(elements: Elements, chosen: IntArray) -> tuple[IntArray, list[str]]:
         length += 1
 
 
-def _rows(elements: Elements) -> tuple[int, IntArray] | None:
-    """Return how many rows a vector sum has and that of each panel; None for what is none."""
+def _courses(elements: Elements) -> tuple[str, int, IntArray] | None:
+    """Return whether a vector sum goes up by rows, how many, and that of each panel.
+
+    None for what is no vector sum.
+    """
     if not isinstance(elements, Shell):
         return None
     mesh = elements.mesh
@@ -120,9 +124,14 @@ def _rows(elements: Elements) -> tuple[int, IntArray] | None:
     own = np.sort(vertices[mesh.corners].reshape(-1, 4), axis=1)[elements.faces]
     _, number = np.unique(np.concatenate([quads, own]), axis=0, return_inverse=True)
     number = number.ravel()
-    row_of = np.zeros(number.max() + 1, dtype=np.int64)
-    row_of[number[: len(quads)]] = np.arange(len(quads)) // columns
-    return count, row_of[number[len(quads) :]]
+    face_of = np.zeros(number.max() + 1, dtype=np.int64)
+    face_of[number[: len(quads)]] = np.arange(len(quads))
+    row, column = np.divmod(face_of[number[len(quads) :]], columns)
+    heights = whole.centroids[:, 2].reshape(count, columns)
+    uneven_rows, uneven_columns = (float(np.ptp(heights, axis=axis).mean()) for axis in (1, 0))
+    if uneven_rows <= uneven_columns + mesh.tol.planar:
+        return "row", count, row
+    return "column", columns, column
 
 
 def _grown(shell: Shell, chosen: IntArray, groups: IntArray, present: list[int]) -> list[int]:

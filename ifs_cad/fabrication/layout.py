@@ -133,9 +133,10 @@ class Layout:
     def __str__(self) -> str:
         pieces = sum(len(sheet.placements) for sheet in self.sheets)
         offcuts = sum(float(sheet.offcuts[:, 2:].prod(axis=1).sum()) for sheet in self.sheets)
+        count = f"{len(self.sheets)} sheet" + ("s" if len(self.sheets) > 1 else "")
         return (
-            f"{pieces} pieces on {len(self.sheets)} sheets, {self.utilisation:.1%} used; by area "
-            f"alone {self.bound} sheets; {offcuts / 1e6:.2f} m2 of offcuts worth keeping"
+            f"{pieces} pieces on {count}, {self.utilisation:.1%} used; by area "
+            f"alone {self.bound}; {offcuts / 1e6:.2f} m2 of offcuts worth keeping"
         )
 
     @cached_property

@@ -18,6 +18,7 @@ from ifs_cad import progress
 from ifs_cad.design.address import matching
 from ifs_cad.elements.element import Elements
 from ifs_cad.errors import ScriptError
+from ifs_cad.export.btlx import export_btlx
 from ifs_cad.export.cutlist import export_csv, export_xlsx
 from ifs_cad.export.drawing import (
     assembly_svg,
@@ -35,6 +36,7 @@ from ifs_cad.fabrication.cutlist import CutList, cut_list
 from ifs_cad.fabrication.operations import workpieces
 from ifs_cad.fabrication.plan import Plan, make_plan
 from ifs_cad.fabrication.planklist import plank_list
+from ifs_cad.fabrication.saw import saw_list
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.kernel.assembly import extract, modified_parts
@@ -157,6 +159,11 @@ def _drawings(folder: Folder) -> None:
     export_element_drawings(pieces, drawings / "elements.pdf")
 
 
+def _btlx(folder: Folder) -> None:
+    target = folder.path / f"{folder.name}.btlx"
+    export_btlx(tuple(folder.pieces.values()), target, name=folder.name)
+
+
 def _lists(folder: Folder) -> None:
     lists = folder.path / "lists"
     export_csv(folder.list, lists / "cut_list.csv")
@@ -165,6 +172,10 @@ def _lists(folder: Folder) -> None:
         planks = plank_list(tuple(folder.pieces.values()))
         export_csv(planks, lists / "planks.csv")
         export_xlsx(planks, lists / "planks.xlsx")
+    else:
+        cuts = saw_list(tuple(folder.pieces.values()))
+        export_csv(cuts, lists / "saw_list.csv")
+        export_xlsx(cuts, lists / "saw_list.xlsx")
 
 
 def _assembly_plan(folder: Folder) -> None:
@@ -203,6 +214,7 @@ MAKERS: dict[str, Callable[[Folder], None]] = {
     "solids (STEP)": _solids,
     "sheets (STEP)": _sheets,
     "outlines (DXF)": _outlines,
+    "parts (BTLx)": _btlx,
     "drawings": _drawings,
     "lists": _lists,
     "assembly plan": _assembly_plan,
