@@ -64,8 +64,10 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-Script = Annotated[Path, typer.Argument(help="A part script.", show_default=False)]
-Model = Annotated[Path, typer.Argument(help="A part script or a STEP file.", show_default=False)]
+Script = Annotated[Path, typer.Argument(help="A part script or design file.", show_default=False)]
+Model = Annotated[
+    Path, typer.Argument(help="A part script, a design file or a STEP file.", show_default=False)
+]
 Settings = Annotated[
     list[Any] | None,
     typer.Option(
