@@ -17,6 +17,7 @@ from ifs_cad.files import replaced
 from ifs_cad.libraries import require
 
 _WIDEST = 60  # of a column, in characters
+_HEADER_HEIGHT = 30  # points
 _EVERYWHERE = "A1:XFD1048576"
 _BEGINNING = datetime(1980, 1, 1)  # the same list always makes the same file
 
@@ -89,6 +90,7 @@ def export_xlsx(tables: Tabular, path: str | os.PathLike[str]) -> Path:
 def _write_sheet(book: Any, table: Table) -> None:
     sheet = book.add_worksheet(table.name)
     sheet.freeze_panes(1, 1)
+    sheet.set_row(0, _HEADER_HEIGHT)  # two lines: not every program finds that out by itself
     sheet.ignore_errors({"number_stored_as_text": _EVERYWHERE})  # that is what they are
     header = book.add_format({"bold": True, "text_wrap": True, "valign": "top", "bottom": 1})
     for place, column in enumerate(table.columns):
