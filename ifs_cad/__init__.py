@@ -50,7 +50,9 @@ if TYPE_CHECKING:
     from ifs_cad.elements.vault import Vault, vault
     from ifs_cad.errors import IfsCadError
     from ifs_cad.export.btlx import export_btlx
+    from ifs_cad.export.chart import export_chart
     from ifs_cad.export.cutlist import export_csv, export_xlsx
+    from ifs_cad.export.deck import export_calculix
     from ifs_cad.export.drawing import (
         export_board_drawings,
         export_element_drawings,
@@ -58,6 +60,7 @@ if TYPE_CHECKING:
     )
     from ifs_cad.export.dxf import export_dxf
     from ifs_cad.export.step import export_panels, export_sheets, export_step
+    from ifs_cad.export.vtu import export_vtu
     from ifs_cad.fabrication.boards import cut_boards
     from ifs_cad.fabrication.cutlist import cut_list
     from ifs_cad.fabrication.nesting import nest
@@ -76,6 +79,7 @@ if TYPE_CHECKING:
     from ifs_cad.structure.support import Support
     from ifs_cad.tolerance import Tolerance
     from ifs_cad.types import Plane
+    from ifs_cad.view.deformed import render_deformed
     from ifs_cad.view.preview import show, show_object
     from ifs_cad.view.render import render
     from ifs_cad.workflow.check import check_step
@@ -142,6 +146,8 @@ __all__ = [
     "ellipse",
     "export_board_drawings",
     "export_btlx",
+    "export_calculix",
+    "export_chart",
     "export_csv",
     "export_dxf",
     "export_element_drawings",
@@ -149,6 +155,7 @@ __all__ = [
     "export_sheet_drawings",
     "export_sheets",
     "export_step",
+    "export_vtu",
     "export_xlsx",
     "fabricate",
     "flat_strips",
@@ -166,6 +173,7 @@ __all__ = [
     "read_mesh",
     "read_stock",
     "render",
+    "render_deformed",
     "saw_list",
     "show",
     "show_object",
@@ -246,6 +254,8 @@ _HOMES = {
     "ellipse": "design.conic",
     "export_board_drawings": "export.drawing",
     "export_btlx": "export.btlx",
+    "export_calculix": "export.deck",
+    "export_chart": "export.chart",
     "export_csv": "export.cutlist",
     "export_dxf": "export.dxf",
     "export_element_drawings": "export.drawing",
@@ -253,6 +263,7 @@ _HOMES = {
     "export_sheet_drawings": "export.drawing",
     "export_sheets": "export.step",
     "export_step": "export.step",
+    "export_vtu": "export.vtu",
     "export_xlsx": "export.cutlist",
     "fabricate": "workflow.fabricate",
     "flat_strips": "design.development",
@@ -270,6 +281,7 @@ _HOMES = {
     "read_mesh": "design.meshfile",
     "read_stock": "fabrication.stock",
     "render": "view.render",
+    "render_deformed": "view.deformed",
     "saw_list": "fabrication.saw",
     "show": "view.preview",
     "show_object": "view.preview",

@@ -1,4 +1,4 @@
-"""The command line: ``ifs-cad build``, ``check``, ``fabricate``, ``render`` and ``show``.
+"""The command line: ``ifs-cad build``, ``check``, ``analyse``, ``fabricate``, ``render``, ``show``.
 
 Exit codes: 0 done, 1 an error or a failed check, 2 a wrong command line, 130 interrupted.
 """
@@ -206,6 +206,47 @@ def fabricate(
     with display(quiet) as listener:
         result = run_fabricate(
             script, settings=dict(settings or ()), out=out, workshop=workshop, listener=listener
+        )
+    if not quiet:
+        typer.echo(result.summary())
+
+
+@app.command()
+def analyse(
+    script: Script,
+    settings: Settings = None,
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder of all exports.")] = Path(
+        "exports"
+    ),
+    load: Annotated[float, typer.Option(help="N/m2 of the ground plan.")] = 1500.0,
+    half: Annotated[bool, typer.Option("--half", help="Load one half of the span only.")] = False,
+    weight: Annotated[bool, typer.Option("--weight", help="Add the weight of the panels.")] = False,
+    supports: Annotated[
+        str, typer.Option(help="standing, borders, or borders by name: 'a start, a end'.")
+    ] = "standing",
+    joints: Annotated[
+        str, typer.Option(help="hinge, rigid, or a stiffness in N mm/rad per mm of edge.")
+    ] = "hinge",
+    divisions: Annotated[int, typer.Option(help="Quads along each edge of a panel.")] = 4,
+    nonlinear: Annotated[
+        bool, typer.Option("--nonlinear", help="Find equilibrium in the deformed shape.")
+    ] = False,
+    modes: Annotated[int, typer.Option(help="How many natural frequencies.")] = 0,
+    quiet: Quiet = False,
+) -> None:
+    """Compute how the shells that a part script shows carry a load.
+
+    Writes the mesh with all results (VTU), an input deck for CalculiX and a picture of the
+    deformed shell into the folder analysis of the part, and a comparison of several shells.
+    """
+    from ifs_cad.workflow.analyse import Question
+    from ifs_cad.workflow.analyse import analyse as run_analyse
+    from ifs_cad.workflow.display import display
+
+    question = Question(load, half, weight, supports, joints, divisions, nonlinear, modes)
+    with display(quiet) as listener:
+        result = run_analyse(
+            script, settings=dict(settings or ()), out=out, question=question, listener=listener
         )
     if not quiet:
         typer.echo(result.summary())

@@ -37,7 +37,7 @@ LEVELS = {room: level for level, rooms in enumerate(ROOMS) for room in rooms}
 
 KERNEL_LIBRARIES = {"OCP", "cadquery", "vtk", "vtkmodules"}
 KERNEL_ROOMS = {"kernel", "view"}  # pictures are drawn of the kernel's shapes
-MAY_IMPORT_THE_KERNEL = {"ifs_cad.export.step"}
+MAY_IMPORT_THE_KERNEL = {"ifs_cad.export.step", "ifs_cad.export.vtu"}
 VIEWER_LIBRARIES = {"ocp_tessellate", "ocp_viewer", "ocp_viewer_core", "ocp_vscode"}
 MAY_IMPORT_THE_VIEWER = {"ifs_cad.view.preview"}
 MAY_LOAD_SCIPY = {"ifs_cad.elements.clash"}

@@ -15,6 +15,9 @@ strokes, stroke_colors : the same for parts that have no faces
 size : (2,) int, width and height in pixels
 view : (3,) float, azimuth and elevation in degrees, zoom
 background : (3,) float, RGB from 0 to 1
+legend : (k, 3) uint8, optional, colours of a scale from low to high
+legend_range : (2,) float, the values at its ends
+legend_title : text
 """
 
 from __future__ import annotations
@@ -25,13 +28,15 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+import vtkmodules.vtkRenderingFreeType  # noqa: F401  without it VTK draws no letters
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from vtkmodules.util import numpy_support
-from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonCore import vtkLookupTable, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkIOImage import vtkPNGWriter
+from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
 from vtkmodules.vtkRenderingCore import (
     vtkActor,
     vtkCamera,
@@ -65,6 +70,8 @@ OCCLUSION = 0.07  # reach of the dimming in folds and corners, share of the mode
 OCCLUSION_BIAS = 0.05  # share of that reach within which a flat face does not dim itself
 OCCLUSION_RAYS = 24
 SHADOW = 0.25  # darkness of the floor under the model
+LETTERS = 0.02  # of a legend, share of the picture's height
+INK = (0.15, 0.15, 0.15)
 SHADOW_BLUR = 0.012  # share of the picture's width
 
 
@@ -84,6 +91,9 @@ def draw(scene: Scene) -> bytes:
         _, covered = photograph(shadow, camera, width, height, 1)
         floor -= SHADOW * gaussian_filter(covered, SHADOW_BLUR * width)
     picture = color + ((1.0 - coverage) * floor)[..., None] * scene["background"]
+    if "legend" in scene:
+        scale, covered = photograph(legend_renderer(scene), vtkCamera(), width, height, 2)
+        picture = scale + (1.0 - covered)[..., None] * picture
     return png(np.rint(255.0 * np.clip(picture, 0.0, 1.0)).astype(np.uint8))
 
 
@@ -200,6 +210,36 @@ def shadow_renderer(on_floor: Array, triangles: Array) -> vtkRenderer:
     """Return the model pressed flat onto the floor under it."""
     renderer = vtkRenderer()
     renderer.AddActor(actor_of(mesh(on_floor, triangles)))
+    return renderer
+
+
+def legend_renderer(scene: Scene) -> vtkRenderer:
+    """Return a scale of colours at the right edge, with its title and values."""
+    colors = scene["legend"]
+    table = vtkLookupTable()
+    table.SetNumberOfTableValues(len(colors))
+    table.SetTableRange(*scene["legend_range"])
+    for number, color in enumerate(colors / 255.0):
+        table.SetTableValue(number, (*color.tolist(), 1.0))
+    bar = vtkScalarBarActor()
+    bar.SetLookupTable(table)
+    bar.SetTitle(str(scene["legend_title"]))
+    bar.SetNumberOfLabels(5)
+    bar.SetLabelFormat("{:.3g}")
+    bar.UnconstrainedFontSizeOn()
+    bar.SetWidth(0.07)
+    bar.SetHeight(0.45)
+    bar.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
+    bar.SetPosition(0.9, 0.5)
+    pixels = int(LETTERS * scene["size"][1]) * 2
+    for words in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
+        words.SetColor(*INK)
+        words.SetFontSize(pixels)
+        words.ItalicOff()
+        words.BoldOff()
+        words.ShadowOff()
+    renderer = vtkRenderer()
+    renderer.AddViewProp(bar)
     return renderer
 
 

@@ -85,7 +85,7 @@ def render(
         "view": np.array([azimuth, elevation, zoom], dtype=float),
         "background": np.array(paper),
     }
-    picture = _drawn(scene)
+    picture = drawn(scene)
     with replaced(target) as scratch:
         scratch.write_bytes(picture)
 
@@ -147,8 +147,15 @@ def _bytes(colors: NDArray[Any], cells: list[NDArray[Any]]) -> NDArray[np.uint8]
     return np.repeat(as_bytes, [len(part) for part in cells], axis=0)
 
 
-def _drawn(scene: dict[str, NDArray[Any]]) -> bytes:
-    """Run ``_draw.py``: without a way to draw VTK takes its whole process down."""
+def drawn(scene: dict[str, NDArray[Any]]) -> bytes:
+    """Return the PNG of a scene by ``_draw.py``, whose arrays it must hold.
+
+    A process of its own: without a way to draw VTK takes its whole process down.
+
+    Raises
+    ------
+    ViewerError
+    """
     packed = io.BytesIO()
     np.savez(packed, **scene)  # type: ignore[arg-type]
     environment = dict(os.environ)

@@ -139,6 +139,21 @@ def fabricate(
     return made
 
 
+def analyse(
+    script: str, settings: Mapping[str, str], stage: str, question: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Run a part script and write how the shells that it shows stand into the folder `stage`."""
+    from ifs_cad.workflow.analyse import Question
+
+    shown = _shown(script, settings)
+    progress.report("loading the structure check")
+    make = load("ifs_cad.workflow.analysis").make_analysis
+    made: dict[str, Any] = make(
+        [thing.assembly for thing in shown], Path(stage), Question(**question)
+    )
+    return made
+
+
 def render(
     source: str, settings: Mapping[str, str], path: str, options: Mapping[str, Any]
 ) -> dict[str, Any]:
@@ -171,6 +186,7 @@ def check(path: str) -> dict[str, Any]:
 
 
 JOBS: dict[str, Callable[..., dict[str, Any]]] = {
+    "analyse": analyse,
     "build": build,
     "check": check,
     "fabricate": fabricate,

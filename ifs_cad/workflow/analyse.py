@@ -1,0 +1,146 @@
+"""A part script becomes an answer: whether it stands, and how far it gives way."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ifs_cad.errors import ScriptError, WorkerError
+from ifs_cad.workflow.staging import install, staging
+from ifs_cad.workflow.supervise import Listener, run
+
+MADE = {".csv", ".inp", ".png", ".svg", ".txt", ".vtu"}
+"""Files of a former analysis, which must not stay beside those of another."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked.
+
+    Parameters
+    ----------
+    load : float, N/m2 of the ground plan
+    half : bool
+        Load one half only: that of lower x, or y when the shell is longer along y.
+    weight : bool
+        Add the weight of the panels.
+    supports : str
+        "standing", "borders", numbers or names of borders, with commas between.
+    joints : str
+        "hinge", "rigid" or a stiffness, N mm/rad per mm of edge.
+    divisions : int, quads along each edge of a panel
+    nonlinear : bool
+        Find equilibrium in the deformed shape.
+    modes : int
+        How many natural frequencies; 0 for none.
+    """
+
+    load: float = 1500.0
+    half: bool = False
+    weight: bool = False
+    supports: str = "standing"
+    joints: str = "hinge"
+    divisions: int = 4
+    nonlinear: bool = False
+    modes: int = 0
+
+
+@dataclass(frozen=True)
+class Analysed:
+    """The answer.
+
+    Attributes
+    ----------
+    folder : Path
+    files : tuple of Path
+    reports : {name of a shell: its table}
+    comparison : str, empty for one shell
+    seconds : float
+    """
+
+    folder: Path
+    files: tuple[Path, ...]
+    reports: Mapping[str, str]
+    comparison: str
+    seconds: float
+
+    def summary(self) -> str:
+        """Return all tables and where the files are."""
+        lines = [f"{name}\n{report}\n" for name, report in self.reports.items()]
+        if self.comparison:
+            lines.append(f"{self.comparison}\n")
+        lines.append(f"Wrote {self.folder}: {', '.join(path.name for path in self.files)}.")
+        lines.append(f"Done in {self.seconds:.1f} s.")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.summary()
+
+
+def analyse(
+    script: str | os.PathLike[str],
+    *,
+    settings: Mapping[str, Any] | None = None,
+    out: str | os.PathLike[str] = "exports",
+    question: Question | None = None,
+    listener: Listener | None = None,
+) -> Analysed:
+    """Run a part script and write how its shells stand into ``<out>/<script>/analysis/``.
+
+    In a process of its own. Files of a former analysis there are removed.
+
+    Parameters
+    ----------
+    script : path
+    settings : mapping, optional
+        Parameters of the script to change, by name.
+    out : path
+        Folder of all exports.
+    question : Question, optional
+    listener : Listener, optional
+        Hears how far the analysis has come and what the script prints.
+
+    Raises
+    ------
+    ScriptError
+        The script cannot be read, failed, or showed no shell of panels.
+    MechanismError, InstabilityError
+        A shell moves without resistance, or buckles below the load.
+    MissingLibraryError
+        Kratos is not installed.
+    InputError, ExportError
+        A value that cannot be meant; a file that could not be written.
+    WorkerError
+        The process died; the old files are unchanged.
+    KeyboardInterrupt
+        With a message: the old files are unchanged.
+    """
+    begin = time.monotonic()
+    script = Path(script)
+    if not script.is_file():
+        raise ScriptError(f"There is no script {script}.")
+    folder = Path(out) / script.stem / "analysis"
+    with staging(folder) as stage:
+        request = {
+            "script": str(script),
+            "settings": {name: str(value) for name, value in (settings or {}).items()},
+            "stage": str(stage),
+            "question": asdict(question or Question()),
+        }
+        try:
+            done = run("analyse", request, listener or Listener())
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"Interrupted; nothing in {folder} was changed.") from None
+        except WorkerError as error:
+            raise WorkerError(f"{error}\nNothing in {folder} was changed.") from error
+        files = tuple(folder / path.name for path in sorted(stage.iterdir()))
+        for target in files:
+            install(stage / target.name, target)
+    for old in set(folder.iterdir()) - set(files):
+        if old.suffix in MADE:
+            old.unlink()
+    return Analysed(folder, files, done["reports"], done["comparison"], time.monotonic() - begin)
