@@ -1,0 +1,177 @@
+"""Tools and the machine: what can be meant, the library, and files that add to it."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from ifs_cad.errors import InputError
+from ifs_cad.fabrication.tool import Clamp, Machine, Tool, Workshop, read_tools
+
+MILL = Tool(1, "mill", "end mill", 8, 30, 50, 120, 32, 4000, 1200, 18000, 10)
+LIBRARY = read_tools()
+OWN = """
+[[tools]]
+number = 21
+name = "long mill"
+kind = "end mill"
+diameter = 10
+flank = 90
+reach = 110
+length = 190
+holder = 50
+feed = 4000
+plunge = 1200
+speed = 18000
+pass_depth = 12
+materials = ["larch"]
+"""
+
+
+@pytest.fixture
+def file(tmp_path):
+    def written(text):
+        path = tmp_path / "own.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return written
+
+
+LENGTHS = ["diameter", "flank", "reach", "length", "holder", "pass_depth"]
+
+
+@pytest.mark.parametrize("key", [*LENGTHS, "feed", "plunge", "speed"])
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf])
+def test_number_of_a_tool_that_is_not_positive_is_an_error(key, value):
+    with pytest.raises(InputError, match=rf"Tool 1: {key} must be positive, got "):
+        replace(MILL, **{key: value})
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"number": 0}, "number of a tool must be 1 or more"),
+        ({"kind": "saw"}, "kind must be 'drill', 'engraver' or 'end mill', got 'saw'"),
+        ({"flank": 60}, "flank, reach and length must not decrease, got 60, 50 and 120 mm"),
+        ({"reach": 130}, "flank, reach and length must not decrease"),
+        ({"point": 0.0}, "point must be above 0 and at most 180 degrees"),
+        ({"point": 181.0}, "point must be above 0"),
+    ],
+)
+def test_tool_that_cannot_be_meant_is_an_error(values, message):
+    with pytest.raises(InputError, match=message):
+        replace(MILL, **values)
+
+
+def test_point_stands_out_by_its_cone():
+    assert replace(MILL, point=90.0).point_height == pytest.approx(4.0)
+    assert MILL.point_height == pytest.approx(0.0, abs=1e-12)
+
+
+def test_tool_without_materials_cuts_all():
+    assert MILL.cuts("larch")
+    oak = replace(MILL, materials=("oak",))
+    assert oak.cuts("oak")
+    assert not oak.cuts("larch")
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"rotary": "AB"}, "rotary must be 'AC' or 'BC', got 'AB'"),
+        ({"x": (10.0, 10.0)}, "x must rise from least to largest mm"),
+        ({"turn": (-math.inf, 0.0)}, "turn must rise from least to largest degrees"),
+        ({"spindle": (5.0, 1.0)}, "spindle must rise"),
+        ({"safe_height": 0.0}, "safe_height must be positive"),
+        ({"rapid": math.nan}, "rapid must be positive"),
+        ({"pivot": -1.0}, "pivot must be 0 or more"),
+        ({"spoilboard_depth": 19.0}, "spoilboard_depth 19 mm exceeds the spoilboard of 18 mm"),
+        ({"tilt": (10.0, 60.0)}, "tilt must have 0 in its range"),
+        ({"turn": (0.0, 170.0)}, "turn must range over 180 degrees"),
+        ({"tilt": (-10.0, 90.0), "turn": (0.0, 350.0)}, "turn must range over 360 degrees"),
+    ],
+)
+def test_machine_that_cannot_be_meant_is_an_error(values, message):
+    with pytest.raises(InputError, match=message):
+        replace(LIBRARY.machine, **values)
+
+
+def test_largest_tilt_is_that_of_the_wider_side():
+    assert replace(LIBRARY.machine, tilt=(-10.0, 95.0)).largest_tilt == 95.0
+    assert replace(LIBRARY.machine, tilt=(-110.0, 95.0)).largest_tilt == 110.0
+
+
+def test_clamp_without_extent_is_an_error():
+    with pytest.raises(InputError, match="Clamp z must rise"):
+        Clamp((0.0, 1.0), (0.0, 1.0), (5.0, 5.0))
+
+
+def test_two_tools_of_one_number_are_an_error():
+    with pytest.raises(InputError, match="Two tools have the number 1"):
+        Workshop(LIBRARY.machine, (MILL, replace(MILL, name="other")))
+
+
+def test_library_has_tools_of_every_kind_for_every_label_and_hole_by_default():
+    by_kind = {kind: set() for kind in ("drill", "engraver", "end mill")}
+    for tool in LIBRARY.tools:
+        by_kind[tool.kind].add(tool.diameter)
+    assert {3.0, 4.0, 5.0, 6.0, 4.2} <= by_kind["drill"]
+    assert {1.0, 2.0, 3.0} <= by_kind["engraver"]
+    assert {6.0, 8.0, 10.0} <= by_kind["end mill"]
+    assert [tool.number for tool in LIBRARY.tools] == sorted(t.number for t in LIBRARY.tools)
+    least, most = LIBRARY.machine.spindle
+    assert all(least <= tool.speed <= most for tool in LIBRARY.tools)
+
+
+def test_own_file_adds_and_replaces(file):
+    own = read_tools(file(OWN))
+    added = next(tool for tool in own.tools if tool.number == 21)
+    assert (added.flank, added.materials, added.point) == (90.0, ("larch",), 180.0)
+    assert set(own.tools) - {added} == set(LIBRARY.tools)
+    replaced = read_tools(file(OWN.replace("21", "9")))
+    assert len(replaced.tools) == len(LIBRARY.tools)
+    assert next(tool.name for tool in replaced.tools if tool.number == 9) == "long mill"
+    assert [tool.number for tool in read_tools(file("extend = false\n" + OWN)).tools] == [21]
+
+
+def test_own_machine_changes_only_what_it_gives(file):
+    clamps = "[[machine.clamps]]\nx = [0, 60]\ny = [-40, 25]\nz = [0, 45]"
+    text = "[machine]\nsafe_height = 60\n" + clamps
+    machine = read_tools(file(text)).machine
+    clamp = Clamp((0.0, 60.0), (-40.0, 25.0), (0.0, 45.0))
+    assert machine == replace(LIBRARY.machine, safe_height=60.0, clamps=(clamp,))
+    assert isinstance(machine, Machine)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("tools = 3", r"own.toml: \[\[tools\]\] must be a list of tables"),
+        ("x = [", "own.toml is not TOML"),
+        ("speed = 3", "own.toml: unknown key 'speed'. Known are extend, tools, machine"),
+        ("extend = 1", "own.toml: extend must be true or false, got 1"),
+        (OWN.replace("flank = 90\n", ""), r"entry 1 \(long mill\): flank missing. Add flank = "),
+        (
+            OWN.replace("flank = 90", 'flank = "90"'),
+            r"long mill\): flank must be a number, got '90'",
+        ),
+        (OWN.replace("= 21", "= 2.5"), "number must be a whole number, got 2.5"),
+        (OWN.replace("flank = 90", "flank = -90"), r"long mill\): Tool 21: flank must be positive"),
+        (OWN.replace('["larch"]', '"larch"'), "materials must be a list of texts in quotes"),
+        (OWN + "teeth = 2", "unknown key 'teeth'"),
+        (OWN + OWN, r"entry 2 \(long mill\): the number 21 is taken by 'long mill'"),
+        ("[machine]\nx = [0]", r"\[machine\]: x must be two numbers, the least and the largest"),
+        ("[machine]\nrotary = 'XY'", r"\[machine\]: rotary must be 'AC' or 'BC'"),
+        ("[machine]\nlegs = 4", r"\[machine\]: unknown key 'legs'"),
+        ("[[machine.clamps]]\nx = [0, 1]", r"\[\[machine.clamps\]\] entry 1: y, z missing"),
+    ],
+)
+def test_mistake_in_a_file_names_file_table_and_key(file, text, message):
+    with pytest.raises(InputError, match=message):
+        read_tools(file(text))
+
+
+def test_file_that_is_not_there_is_an_error(tmp_path):
+    with pytest.raises(InputError, match=r"none.toml cannot be read: No such file"):
+        read_tools(tmp_path / "none.toml")

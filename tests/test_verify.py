@@ -1,0 +1,193 @@
+"""Verification: a sound program passes, and every broken one is caught at its line."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from broken_programs import (
+    SETTINGS,
+    THICKNESS,
+    broken_programs,
+    changed,
+    found,
+    machine,
+    pieces,
+    program,
+    sheet,
+    tools,
+)
+
+from ifs_cad.errors import AddressError, InputError
+from ifs_cad.fabrication.convention import RIGHT_HANDED_AC
+from ifs_cad.fabrication.job import read_job, write_job
+from ifs_cad.fabrication.layout import Layout
+from ifs_cad.fabrication.settings import Settings
+from ifs_cad.fabrication.swept import Solids, Sweeps, depths
+from ifs_cad.fabrication.verify import verify, verify_file
+
+BROKEN = broken_programs()
+
+
+def verified(text: str, **options):
+    options = {"settings": SETTINGS, "linuxcnc": False} | options
+    held = options.pop("machine", None) or machine()
+    magazine = options.pop("tools", None) or tools()
+    return verify(text, sheet(), pieces(), magazine, held, **options)
+
+
+def test_sound_program_is_verified_with_its_numbers():
+    found_ = verified(program(), linuxcnc=None)
+    assert found_.ok, str(found_)
+    assert (found_.holes, found_.strokes, found_.sides) == (4, 8, 9)
+    # five decimals of positions, six of angles
+    assert found_.plane_error < 2e-5
+    assert found_.angle_error < 1e-5
+    assert found_.hole_error < 1e-5
+    assert found_.stroke_error < 2e-5
+    assert "verified" in str(found_)
+
+
+@pytest.mark.parametrize("broken", BROKEN, ids=[broken.name for broken in BROKEN])
+def test_broken_program_is_caught_at_its_line(broken):
+    found_ = verified(broken.text, machine=broken.machine, tools=broken.tools, simulate=False)
+    at_line = [str(fault) for fault in found_.faults if fault.line == broken.line]
+    assert any(re.search(broken.blame, fault) for fault in at_line), str(found_)
+    assert not found_.ok
+
+
+def test_simulation_sees_gouges_and_what_is_left():
+    cut = found(r"G0 B\d+\.\d+ C", after=found("STEP contour")) + 3
+    across = verified(changed(cut, r"X[-\d.]+ Y[-\d.]+", "X470 Y160"))
+    assert any("By simulation" in f.message and f.address == "0212" for f in across.faults)
+    left = verified(changed(cut, "G1", "(G1").replace("F5000", "F5000"))
+    assert any("left uncut" in fault.message for fault in left.faults)
+
+
+def test_removed_volume_is_that_of_one_slot():
+    """One upright pass of 12 mm: a stadium of known area."""
+    lines = [
+        "G21 G90 G94", "T12 M6", "S18000 M3", "G43 H12", "G0 Z60", "G0 X100 Y400 B0 C0",
+        "G0 Z12", "G1 Z0 F1000", "G1 X400 F5000", "G0 Z60", "M30",
+    ]  # fmt: skip
+    removed = verified("\n".join(lines) + "\n").removed
+    assert removed == pytest.approx((300 * 12 + math.pi * 36) * THICKNESS, rel=5e-3)
+    assert math.isnan(verified("\n".join(lines), simulate=False).removed)
+
+
+def test_bridges_and_skin_are_left_only_where_they_were_asked_for():
+    cut = found(r"G0 B0\.0", after=found("STEP contour")) + 3
+    lifted = program().splitlines()
+    for number in (cut - 1, cut):
+        lifted[number - 1] = re.sub(
+            r"Z([-\d.]+)", lambda hit: f"Z{float(hit[1]) + 0.9:.5f}", lifted[number - 1]
+        )
+    text = "\n".join(lifted) + "\n"
+    assert not verified(text).ok
+    assert verified(text, settings=Settings(hold="skin", skin=0.4)).ok
+    (fault,) = verified(text, settings=Settings(hold="skin", skin=0.3), simulate=False).faults
+    assert fault.line == cut
+    # a bridge is not as long as a side
+    assert not verified(text, settings=Settings(hold="tabs")).ok
+
+
+def test_missing_workpiece_and_wrong_convention_are_errors():
+    with pytest.raises(AddressError, match="0212"):
+        verify(program(), sheet(), pieces()[:1], tools(), machine())
+    with pytest.raises(InputError, match="rotary axes AC"):
+        verified(program(), convention=RIGHT_HANDED_AC)
+
+
+def test_cylinder_beside_a_box_enters_by_what_its_radius_exceeds():
+    box = Solids.boxes(np.zeros((1, 3)), np.full((1, 3), 10.0))
+
+    def deep(start, end, axis, radius):
+        one = Sweeps(
+            np.array([start], dtype=float), np.array([end], dtype=float),
+            np.array([axis], dtype=float), np.zeros(1), np.full(1, 50.0), np.array([radius]),
+        )  # fmt: skip
+        _, _, found_ = depths(one, box, 1e-3)
+        return found_.tolist()
+
+    up = (0, 0, 1)
+    assert deep((-5, -20, 0), (-5, 30, 0), up, 5.0) == []
+    assert deep((-5, -20, 0), (-5, 30, 0), up, 5.5) == pytest.approx([0.5])
+    # past a corner, where no face parts them: the corner is 5 sqrt 2 away
+    assert deep((-5, -5, 0), (-5, -5, 5), up, 7.05) == []
+    assert len(deep((-5, -5, 0), (-5, -5, 5), up, 7.1)) == 1
+    # a flat end above the box, wide as it is
+    assert deep((5, -20, 10), (5, 30, 10), up, 40.0) == []
+    lean = (math.sin(0.3), 0.0, math.cos(0.3))
+    assert len(deep((5, -20, 10), (5, 30, 10), lean, 10.0)) == 1
+
+
+@pytest.fixture
+def job(tmp_path):
+    layout = Layout((sheet(),), 20.0, 15.0)
+    write_job(tmp_path / "job.json", layout, pieces(), tools(), machine(), SETTINGS)
+    return tmp_path
+
+
+def test_job_is_read_back_with_all_digits(job):
+    read = read_job(job / "job.json")
+    assert (read.tools, read.machine, read.settings) == (tools(), machine(), SETTINGS)
+    assert read.layout.sheets[0].placements == sheet().placements
+    assert read.layout.sheets[0].offcuts.shape == (0, 4)
+    for one, other in zip(read.workpieces, pieces(), strict=True):
+        assert one.material == other.material
+        for a, b in zip(one.sides, other.sides, strict=True):
+            np.testing.assert_array_equal(a.corners, b.corners)
+            np.testing.assert_array_equal(a.normal, b.normal)
+        for a, b in zip(one.engraving.strokes, other.engraving.strokes, strict=True):
+            np.testing.assert_array_equal(a.bulges, b.bulges)
+
+
+@pytest.mark.parametrize("folder", [".", "programs"])
+def test_file_is_verified_against_the_job_beside_or_above_it(job, folder):
+    path = job / folder / "sheet-01.ngc"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(program())
+    assert verify_file(path, linuxcnc=False).ok
+    path.write_text(changed(found("G21"), "G21", "G20"))
+    assert verify_file(path, linuxcnc=False).faults[0].line == found("G21")
+
+
+def test_file_without_job_or_sheet_is_an_error(job, tmp_path_factory):
+    lonely = tmp_path_factory.mktemp("lonely") / "sheet-01.ngc"
+    lonely.write_text(program())
+    with pytest.raises(InputError, match=r"no job\.json"):
+        verify_file(lonely)
+    with pytest.raises(InputError, match="cannot be read"):
+        verify_file(job / "sheet-09.ngc")
+    lonely.write_text(changed(2, "sheet-01", "sheet-07"))
+    with pytest.raises(InputError, match=r"no sheet 'sheet-07'\. It has sheet-01"):
+        verify_file(lonely, job / "job.json")
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (lambda d: d.update(format="x"), "no job"),
+        (lambda d: d.update(version=9), "version 9"),
+        (lambda d: d.pop("machine"), "machine missing"),
+        (lambda d: d["machine"].update(wings=2), "unknown key 'wings'"),
+        (lambda d: d["tools"][0].update(diameter="wide"), r"tools\[0\]\.diameter must be a number"),
+        (lambda d: d["tools"][0].update(diameter=-1.0), r"tools\[0\]: .*diameter must be positive"),
+        (lambda d: d["workpieces"][0].update(origin=[1, [2]]), r"workpieces\[0\]\.origin"),
+        (lambda d: d["settings"].update(hold="glue"), r"settings\.hold must be"),
+    ],
+)
+def test_job_that_cannot_be_meant_is_an_error(job, edit, message):
+    path = job / "job.json"
+    content = json.loads(path.read_text())
+    edit(content)
+    path.write_text(json.dumps(content))
+    with pytest.raises(InputError, match=message):
+        read_job(path)
+
+
+def test_job_of_another_machine_is_seen_in_the_ranges():
+    short = replace(machine(), y=(0.0, 300.0))
+    assert any("Y goes to" in fault.message for fault in verified(program(), machine=short).faults)
