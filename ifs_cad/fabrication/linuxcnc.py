@@ -99,7 +99,8 @@ def _run(arguments: list[str], folder: str) -> subprocess.CompletedProcess[str]:
         text=True,
         errors="replace",
         timeout=TIME_LIMIT,
-        env=os.environ | {"LC_ALL": "C"},
+        # it keeps its tools in the home folder: runs at the same time must not share one
+        env=os.environ | {"LC_ALL": "C", "HOME": folder},
         check=False,
     )
 
