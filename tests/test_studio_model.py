@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, reject, settings
 from hypothesis import strategies as st
 from strategies import numbers
 
@@ -154,7 +154,11 @@ def test_symmetric_editing_keeps_the_curve_its_mirror_image(drawn, data):
     drawn = moved_subdivision_point(
         drawn, name, place(drawn, name) + data.draw(numbers(3, -100, 100))
     )
-    rows = drawn.base().points
+    try:
+        rows = drawn.base().points
+    except WeightError:
+        reject()
+    assume(np.abs(rows).max() < 1e5)  # weights near zero send points away, with their last digits
     across = rows[-1] - rows[0]
     across /= np.linalg.norm(across)
     offsets = (rows - (rows[0] + rows[-1]) / 2) @ across
