@@ -13,8 +13,8 @@ import spyrrow
 from table import Line
 
 import ifs_cad as ifs
-from ifs_cad.fabrication.envelope import clearance_reach
-from ifs_cad.fabrication.nesting import nest
+from ifs_cad.fabrication.nesting.envelope import clearance_reach
+from ifs_cad.fabrication.nesting.nest import nest
 from ifs_cad.fabrication.stock import Sheet, read_stock
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.fabrication.workshop import Workshop

@@ -61,9 +61,9 @@ if TYPE_CHECKING:
     from ifs_cad.export.dxf import export_dxf
     from ifs_cad.export.step import export_panels, export_sheets, export_step
     from ifs_cad.export.vtu import export_vtu
-    from ifs_cad.fabrication.boards import cut_boards
+    from ifs_cad.fabrication.boards.cutting_plan import cut_boards
     from ifs_cad.fabrication.cutlist import cut_list
-    from ifs_cad.fabrication.nesting import nest
+    from ifs_cad.fabrication.nesting.nest import nest
     from ifs_cad.fabrication.operations import workpieces
     from ifs_cad.fabrication.planklist import plank_list
     from ifs_cad.fabrication.saw import saw_list, square_workpieces
@@ -248,7 +248,7 @@ _HOMES = {
     "clashes": "elements.clash",
     "classics": "design",
     "conic": "design.conic",
-    "cut_boards": "fabrication.boards",
+    "cut_boards": "fabrication.boards.cutting_plan",
     "cut_list": "fabrication.cutlist",
     "dome": "design.dome",
     "ellipse": "design.conic",
@@ -272,7 +272,7 @@ _HOMES = {
     "iteration_depths": "design.subdivision_control",
     "mesh_to_faces": "kernel.drawn",
     "natural_frequencies": "structure.modes",
-    "nest": "fabrication.nesting",
+    "nest": "fabrication.nesting.nest",
     "parabola": "design.conic",
     "place_germ": "kernel.instance",
     "plank_list": "fabrication.planklist",

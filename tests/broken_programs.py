@@ -15,9 +15,11 @@ import numpy as np
 from ifs_cad.elements.arcs import Path
 from ifs_cad.elements.material import SPRUCE_PLYWOOD
 from ifs_cad.fabrication.layout import NestedSheet, Placement
-from ifs_cad.fabrication.settings import Settings
+from ifs_cad.fabrication.machining.machine import Clamp, Machine
+from ifs_cad.fabrication.machining.router import read_router
+from ifs_cad.fabrication.machining.settings import Settings
+from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.fabrication.stock import Sheet
-from ifs_cad.fabrication.tool import Clamp, Machine, Tool, read_tools
 from ifs_cad.fabrication.workpiece import Drill, Engraving, Side, Workpiece
 
 THICKNESS = 10.0
@@ -89,12 +91,12 @@ def sheet() -> NestedSheet:
 
 @cache
 def tools() -> tuple[Tool, ...]:
-    return read_tools().tools
+    return read_router().tools
 
 
 @cache
 def machine() -> Machine:
-    return replace(read_tools().machine, rotary="BC", clamps=(CLAMP,))
+    return replace(read_router().machine, rotary="BC", clamps=(CLAMP,))
 
 
 class Writer:

@@ -13,14 +13,14 @@ from ifs_cad.elements.material import SPRUCE, SPRUCE_PLYWOOD
 from ifs_cad.elements.screw import Screws
 from ifs_cad.errors import IfsCadError
 from ifs_cad.fabrication.layout import NestedSheet, Placement
-from ifs_cad.fabrication.nesting import nest
+from ifs_cad.fabrication.machining.router import read_router
+from ifs_cad.fabrication.machining.sweep import contour_reach
+from ifs_cad.fabrication.nesting.nest import nest
 from ifs_cad.fabrication.operations import workpieces
 from ifs_cad.fabrication.stock import Sheet
-from ifs_cad.fabrication.sweep import contour_reach
-from ifs_cad.fabrication.tool import read_tools
 
-WORKSHOP = read_tools()
-TOOLS, MACHINE = WORKSHOP.tools, WORKSHOP.machine
+ROUTER = read_router()
+TOOLS, MACHINE = ROUTER.tools, ROUTER.machine
 BY_NUMBER = {tool.number: tool for tool in TOOLS}
 THIN = next(tool for tool in TOOLS if tool.kind == "end mill")
 

@@ -21,11 +21,16 @@ from ifs_cad.elements.vault import vault
 from ifs_cad.errors import AddressError, InputError
 from ifs_cad.export.drawing import assembly_svg, export_assembly_plan
 from ifs_cad.fabrication.assembly_order import HANDFUL, assembly_steps
-from ifs_cad.fabrication.axonometry import camera_at, camera_facing, faces_seen, painters_order
-from ifs_cad.fabrication.draw_assembly import assembly_pages
-from ifs_cad.fabrication.draw_solids import DISC_TEXT
+from ifs_cad.fabrication.drawing.axonometry import (
+    camera_at,
+    camera_facing,
+    faces_seen,
+    painters_order,
+)
+from ifs_cad.fabrication.drawing.draw_assembly import assembly_pages
+from ifs_cad.fabrication.drawing.draw_solids import DISC_TEXT
+from ifs_cad.fabrication.drawing.page import Trace, Words
 from ifs_cad.fabrication.operations import workpieces
-from ifs_cad.fabrication.page import Trace, Words
 from ifs_cad.types import Plane
 
 TAU = 2 * np.pi

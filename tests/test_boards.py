@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from ifs_cad import progress
 from ifs_cad.elements.material import SPRUCE
 from ifs_cad.errors import InputError, StockError
-from ifs_cad.fabrication.boards import cut_boards
+from ifs_cad.fabrication.boards.cutting_plan import cut_boards
 from ifs_cad.fabrication.stock import Board
 from ifs_cad.tolerance import DEFAULT
 

@@ -28,11 +28,11 @@ from ifs_cad.export.drawing import (
     export_sheet_drawings,
     sheet_svg,
 )
-from ifs_cad.fabrication.boards import cut_boards
-from ifs_cad.fabrication.drafting import hatch, scale_name, standard_scale, write_beside
+from ifs_cad.fabrication.boards.cutting_plan import cut_boards
+from ifs_cad.fabrication.drawing.drafting import hatch, scale_name, standard_scale, write_beside
+from ifs_cad.fabrication.drawing.page import PIERCED, STOCK, UPPER, WOOD, Page, text_width
 from ifs_cad.fabrication.layout import Layout, NestedSheet, Placement
 from ifs_cad.fabrication.operations import workpieces
-from ifs_cad.fabrication.page import PIERCED, STOCK, UPPER, WOOD, Page, text_width
 from ifs_cad.fabrication.stock import Board, Sheet
 from ifs_cad.fabrication.workpiece import Drill, Engraving
 from ifs_cad.types import Plane

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ifs_cad.elements.material import SPRUCE_PLYWOOD
 from ifs_cad.errors import InputError
-from ifs_cad.fabrication.envelope import SweptReach, clearance_reach
+from ifs_cad.fabrication.nesting.envelope import SweptReach, clearance_reach
 from ifs_cad.fabrication.workpiece import Side, Workpiece
 
 SQUARE = np.array([[0.0, 0.0], [300.0, 0.0], [300.0, 300.0], [0.0, 300.0]])

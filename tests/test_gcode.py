@@ -19,11 +19,12 @@ from rs274 import axis_of, needs_rs274, run
 
 from ifs_cad.elements.arcs import Segments
 from ifs_cad.errors import ExportError, InputError, MachineError
-from ifs_cad.export.gcode import FANUC, LINUXCNC, Post, export_gcode, gcode
-from ifs_cad.fabrication.motion import machining_time
-from ifs_cad.fabrication.orientation import RotaryHead
-from ifs_cad.fabrication.settings import Settings
-from ifs_cad.fabrication.toolpath import toolpaths
+from ifs_cad.export.gcode import export_gcode, gcode
+from ifs_cad.fabrication.machining.motion import machining_time
+from ifs_cad.fabrication.machining.orientation import RotaryHead
+from ifs_cad.fabrication.machining.post import FANUC, LINUXCNC, Post
+from ifs_cad.fabrication.machining.settings import Settings
+from ifs_cad.fabrication.machining.toolpath import toolpaths
 
 NEAR = 1e-3  # mm and degrees
 

@@ -20,8 +20,8 @@ from ifs_cad.elements.material import SPRUCE, SPRUCE_PLYWOOD, Material
 from ifs_cad.errors import InputError, MissingLibraryError, StockError
 from ifs_cad.fabrication.convex import Polygons, distances
 from ifs_cad.fabrication.layout import Layout
-from ifs_cad.fabrication.nesting import nest
-from ifs_cad.fabrication.offcuts import LEAST, offcuts
+from ifs_cad.fabrication.nesting.nest import nest
+from ifs_cad.fabrication.nesting.offcuts import LEAST, offcuts
 from ifs_cad.fabrication.stock import Sheet
 from ifs_cad.progress import listening
 from ifs_cad.types import FloatArray

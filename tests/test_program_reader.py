@@ -7,10 +7,10 @@ import pytest
 from broken_programs import broken_programs, program, tools
 
 from ifs_cad.errors import InputError
-from ifs_cad.fabrication.convention import LINUXCNC, RIGHT_HANDED_AC, Convention
-from ifs_cad.fabrication.linuxcnc import differences, interpreter, replayed
-from ifs_cad.fabrication.motions import Kind
-from ifs_cad.fabrication.program_reader import read_program
+from ifs_cad.fabrication.machining.convention import LINUXCNC, RIGHT_HANDED_AC, Convention
+from ifs_cad.fabrication.machining.linuxcnc import differences, interpreter, replayed
+from ifs_cad.fabrication.machining.motions import Kind
+from ifs_cad.fabrication.machining.program_reader import read_program
 
 HEAD = "G21 G17 G90 G94\nT3 M6\nS9000 M3\nG43 H3\nG0 Z50\nG0 X10 Y20 B0 C0\n"
 END = "\nM30\n"

@@ -6,10 +6,12 @@ from dataclasses import replace
 import pytest
 
 from ifs_cad.errors import InputError
-from ifs_cad.fabrication.tool import Clamp, Machine, Tool, Workshop, read_tools
+from ifs_cad.fabrication.machining.machine import Clamp, Machine
+from ifs_cad.fabrication.machining.router import Router, read_router
+from ifs_cad.fabrication.machining.tool import Tool
 
 MILL = Tool(1, "mill", "end mill", 8, 30, 50, 120, 32, 4000, 1200, 18000, 10)
-LIBRARY = read_tools()
+LIBRARY = read_router()
 OWN = """
 [[tools]]
 number = 21
@@ -109,7 +111,7 @@ def test_clamp_without_extent_is_an_error():
 
 def test_two_tools_of_one_number_are_an_error():
     with pytest.raises(InputError, match="Two tools have the number 1"):
-        Workshop(LIBRARY.machine, (MILL, replace(MILL, name="other")))
+        Router(LIBRARY.machine, (MILL, replace(MILL, name="other")))
 
 
 def test_library_has_tools_of_every_kind_for_every_label_and_hole_by_default():
@@ -125,20 +127,20 @@ def test_library_has_tools_of_every_kind_for_every_label_and_hole_by_default():
 
 
 def test_own_file_adds_and_replaces(file):
-    own = read_tools(file(OWN))
+    own = read_router(file(OWN))
     added = next(tool for tool in own.tools if tool.number == 21)
     assert (added.flank, added.materials, added.point) == (90.0, ("larch",), 180.0)
     assert set(own.tools) - {added} == set(LIBRARY.tools)
-    replaced = read_tools(file(OWN.replace("21", "9")))
+    replaced = read_router(file(OWN.replace("21", "9")))
     assert len(replaced.tools) == len(LIBRARY.tools)
     assert next(tool.name for tool in replaced.tools if tool.number == 9) == "long mill"
-    assert [tool.number for tool in read_tools(file("extend = false\n" + OWN)).tools] == [21]
+    assert [tool.number for tool in read_router(file("extend = false\n" + OWN)).tools] == [21]
 
 
 def test_own_machine_changes_only_what_it_gives(file):
     clamps = "[[machine.clamps]]\nx = [0, 60]\ny = [-40, 25]\nz = [0, 45]"
     text = "[machine]\nsafe_height = 60\n" + clamps
-    machine = read_tools(file(text)).machine
+    machine = read_router(file(text)).machine
     clamp = Clamp((0.0, 60.0), (-40.0, 25.0), (0.0, 45.0))
     assert machine == replace(LIBRARY.machine, safe_height=60.0, clamps=(clamp,))
     assert isinstance(machine, Machine)
@@ -169,9 +171,9 @@ def test_own_machine_changes_only_what_it_gives(file):
 )
 def test_mistake_in_a_file_names_file_table_and_key(file, text, message):
     with pytest.raises(InputError, match=message):
-        read_tools(file(text))
+        read_router(file(text))
 
 
 def test_file_that_is_not_there_is_an_error(tmp_path):
     with pytest.raises(InputError, match=r"none.toml cannot be read: No such file"):
-        read_tools(tmp_path / "none.toml")
+        read_router(tmp_path / "none.toml")

@@ -19,16 +19,16 @@ from machining import (
 )
 
 from ifs_cad.errors import InputError, MachineError
-from ifs_cad.fabrication.contour import passes_of
-from ifs_cad.fabrication.envelope import clearance_reach
-from ifs_cad.fabrication.flank import FlankCuts, Flanks
 from ifs_cad.fabrication.layout import NestedSheet, Placement
-from ifs_cad.fabrication.limits import axis_positions
-from ifs_cad.fabrication.orientation import RotaryHead
-from ifs_cad.fabrication.settings import Settings
-from ifs_cad.fabrication.sweep import contour_reach, swept
-from ifs_cad.fabrication.tool import Clamp
-from ifs_cad.fabrication.toolpath import toolpaths
+from ifs_cad.fabrication.machining.contour import passes_of
+from ifs_cad.fabrication.machining.flank import FlankCuts, Flanks
+from ifs_cad.fabrication.machining.limits import axis_positions
+from ifs_cad.fabrication.machining.machine import Clamp
+from ifs_cad.fabrication.machining.orientation import RotaryHead
+from ifs_cad.fabrication.machining.settings import Settings
+from ifs_cad.fabrication.machining.sweep import contour_reach, swept
+from ifs_cad.fabrication.machining.toolpath import toolpaths
+from ifs_cad.fabrication.nesting.envelope import clearance_reach
 
 FREE = Settings(hold="none")
 

@@ -21,12 +21,12 @@ from broken_programs import (
 )
 
 from ifs_cad.errors import AddressError, InputError
-from ifs_cad.fabrication.convention import RIGHT_HANDED_AC
-from ifs_cad.fabrication.job import read_job, write_job
 from ifs_cad.fabrication.layout import Layout
-from ifs_cad.fabrication.settings import Settings
-from ifs_cad.fabrication.swept import Solids, Sweeps, depths
-from ifs_cad.fabrication.verify import verify, verify_file
+from ifs_cad.fabrication.machining.convention import RIGHT_HANDED_AC
+from ifs_cad.fabrication.machining.job import read_job, write_job
+from ifs_cad.fabrication.machining.settings import Settings
+from ifs_cad.fabrication.machining.swept import Solids, Sweeps, depths
+from ifs_cad.fabrication.machining.verify import verify, verify_file
 
 BROKEN = broken_programs()
 

@@ -1,7 +1,7 @@
 """Workshop drawings as PDF, and as SVG for pages of the web.
 
-Both formats write down the same pages, see `fabrication.page`. Nothing in them depends on the date
-or the machine, so that the same design always gives the same bytes.
+Both formats write down the same pages, see `fabrication.drawing.page`. Nothing in them depends on
+the date or the machine, so that the same design always gives the same bytes.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from ifs_cad import progress
 from ifs_cad.elements.element import Elements
 from ifs_cad.errors import InputError
 from ifs_cad.fabrication.assembly_order import assembly_steps
-from ifs_cad.fabrication.boards import CutBoard, CuttingPlan
+from ifs_cad.fabrication.boards.cutting_plan import CutBoard, CuttingPlan
 from ifs_cad.fabrication.congruence import congruent_groups
 from ifs_cad.fabrication.cutlist import require_unique
-from ifs_cad.fabrication.drafting import Paper, require_paper
-from ifs_cad.fabrication.draw_assembly import assembly_pages, overview_page
-from ifs_cad.fabrication.draw_board import board_page, board_pages
-from ifs_cad.fabrication.draw_element import element_pages
-from ifs_cad.fabrication.draw_sheet import sheet_page
+from ifs_cad.fabrication.drawing.drafting import Paper, require_paper
+from ifs_cad.fabrication.drawing.draw_assembly import assembly_pages, overview_page
+from ifs_cad.fabrication.drawing.draw_board import board_page, board_pages
+from ifs_cad.fabrication.drawing.draw_element import element_pages
+from ifs_cad.fabrication.drawing.draw_sheet import sheet_page
+from ifs_cad.fabrication.drawing.page import Page, Pen, Step, Trace, Words
 from ifs_cad.fabrication.layout import Layout, NestedSheet
-from ifs_cad.fabrication.page import Page, Pen, Step, Trace, Words
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.files import replaced
 from ifs_cad.libraries import require

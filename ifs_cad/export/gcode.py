@@ -5,11 +5,6 @@ corner of the sheet on the face of the spoilboard, when the control keeps the ti
 head turns (tool-centre-point control); else those of the axes, counted so that they are the tip's
 when the tool is vertical.
 
-LinuxCNC has no word for tool-centre-point control: its kinematics `5axiskins` do it always. There
-X Y Z B C are the tip's when the pin `5axiskins.pivot-length` holds the distance from the crossing
-of the rotary axes to the tip: that of the head plus `motion.tooloffset.z`, added by a `sum2` as in
-LinuxCNC's own example of a bridge mill. W stays 0.
-
 Comments that programs may rely on: `(SHEET name length x width x thickness)` and `(HOLD ...)` at
 the top, `(STEP pierce|engrave|contour TOOL number Ddiameter)` at the beginning of each step and
 `(ADDRESS address)` of each piece.
@@ -20,96 +15,22 @@ Source: section 4.3, figure 19 (automatic generation of the machine code).
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
-from ifs_cad.errors import InputError, MachineError
-from ifs_cad.fabrication.limits import axis_positions
-from ifs_cad.fabrication.motion import Cut, Drilling, Moves, Program, Step, machining_time
-from ifs_cad.fabrication.orientation import RotaryHead
-from ifs_cad.fabrication.tool import Tool
+from ifs_cad.errors import MachineError
+from ifs_cad.fabrication.machining.limits import axis_positions
+from ifs_cad.fabrication.machining.motion import Cut, Drilling, Moves, Program, Step, machining_time
+from ifs_cad.fabrication.machining.post import LINUXCNC, Post
+from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.files import replaced
 from ifs_cad.types import FloatArray
 
-__all__ = ["FANUC", "LINUXCNC", "Post", "export_gcode", "gcode"]
+__all__ = ["export_gcode", "gcode"]
 
 LONGEST_COMMENT = 200
 """Characters; controls limit the length of a line, LinuxCNC to 255."""
-
-
-@dataclass(frozen=True)
-class Post:
-    """How a control wants its programs.
-
-    Parameters
-    ----------
-    name : str
-    head : RotaryHead
-        The rotary axes, and the way their angles are counted.
-    tool_centre_point : bool
-        Whether X Y Z are those of the tip while the head turns; else those of the axes.
-    tool_offset : str
-        Words that take the length of a tool into account, `{tool}` for its number.
-    feed_mode : "G94" or "G93"
-        Feeds in mm/min, or as the inverse of the minutes that a move takes.
-    cycles : bool
-        Whether holes are drilled with G81 and G83, or with single moves.
-    decimals, angle_decimals : int
-    header, footer : tuple of str
-        First and last lines, `{number}` for the number of the sheet.
-    remarks : tuple of str, comments below the header
-    line_numbers : int, step of the numbers of the lines; 0 for none
-    comments : bool
-
-    Raises
-    ------
-    InputError
-        Decimals or line numbers that cannot be meant, or another feed mode.
-    """
-
-    name: str
-    head: RotaryHead
-    tool_centre_point: bool = True
-    tool_offset: str = "G43 H{tool}"
-    feed_mode: Literal["G94", "G93"] = "G94"
-    cycles: bool = True
-    decimals: int = 4
-    angle_decimals: int = 5
-    header: tuple[str, ...] = ()
-    footer: tuple[str, ...] = ("M30",)
-    remarks: tuple[str, ...] = ()
-    line_numbers: int = 0
-    comments: bool = True
-
-    def __post_init__(self) -> None:
-        if self.feed_mode not in ("G94", "G93"):
-            raise InputError(f"Post {self.name}: feed_mode must be G94 or G93.")
-        for key in ("decimals", "angle_decimals"):
-            if not 0 <= getattr(self, key) <= 9:
-                raise InputError(f"Post {self.name}: {key} must be 0 to 9.")
-        if self.line_numbers < 0:
-            raise InputError(f"Post {self.name}: line_numbers must be 0 or more.")
-
-
-LINUXCNC = Post(
-    "LinuxCNC 5axiskins",
-    RotaryHead("BC", tilt_sign=-1),
-    remarks=("5axiskins.pivot-length: head and motion.tooloffset.z together, W at 0",),
-)
-"""LinuxCNC with its kinematics for a bridge mill, see the module."""
-
-FANUC = Post(
-    "Fanuc G43.4",
-    RotaryHead("AC"),
-    tool_offset="G43.4 H{tool}",
-    header=("%", "O{number:04}"),
-    footer=("M30", "%"),
-    line_numbers=10,
-)
-"""Controls that understand G43.4 (tool centre point control), with an AC head by the textbook."""
 
 
 def export_gcode(program: Program, path: str | os.PathLike[str], post: Post = LINUXCNC) -> Path:
@@ -157,7 +78,7 @@ class _Writer:
         self.lines: list[str] = []
         self.last: dict[str, str] = {}
         self.feed_word = ""
-        self.letters = "XYZ" + post.head.axes
+        self.letters = "XYZ" + post.head.letters
         self.angles = self._angles()
 
     def _angles(self) -> FloatArray:
@@ -174,7 +95,12 @@ class _Writer:
         self._head()
         self._line(f"G21 G17 G90 {post.feed_mode} G40 G49 G80 G54")
         angles = iter(self.angles.tolist())
+        before = ""
         for step in self.program.steps:
+            if before == "pierce" != step.name and self.program.hold == "none":
+                self._comment("SCREW THE PIECES DOWN THROUGH THEIR HOLES, THEN GO ON")
+                self._line("M0")
+            before = step.name
             self._start(step)
             address = None
             for cut in step.cuts:
@@ -231,7 +157,7 @@ class _Writer:
         safe = np.array([np.nan, np.nan, self.program.safe])
         if not self.post.tool_centre_point:
             self._go("G0", safe)
-        turn = self.last.get(self.letters[4], "0")
+        turn = self.last.get(self.letters[-1], "0")  # of three axes it is not written
         self._go("G0", safe, (0.0, float(turn)))
 
     def _cut(self, cut: Cut | Drilling, tool: Tool, angles: tuple[float, float]) -> None:

@@ -20,7 +20,7 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import quote
 
 from ifs_cad.errors import ExportError, InputError
-from ifs_cad.fabrication.boards import CuttingPlan
+from ifs_cad.fabrication.boards.cutting_plan import CuttingPlan
 from ifs_cad.fabrication.cutlist import CutList, Edge, Entry
 from ifs_cad.fabrication.layout import NestedSheet
 from ifs_cad.fabrication.plan import Plan

@@ -61,6 +61,13 @@ def whole(value: Any) -> int:
     return value
 
 
+def flag(value: Any) -> bool:
+    """Read true or false."""
+    if not isinstance(value, bool):
+        raise TypeError("true or false")
+    return value
+
+
 def span(value: Any) -> tuple[float, float]:
     """Read a least and a largest number."""
     if not isinstance(value, list) or len(value) != 2:

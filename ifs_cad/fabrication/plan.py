@@ -15,10 +15,10 @@ from ifs_cad.elements.element import Elements
 from ifs_cad.elements.fibre import Fibre
 from ifs_cad.elements.panel import Face
 from ifs_cad.errors import StockError
-from ifs_cad.fabrication.boards import CuttingPlan, cut_boards
-from ifs_cad.fabrication.envelope import clearance_reach
+from ifs_cad.fabrication.boards.cutting_plan import CuttingPlan, cut_boards
 from ifs_cad.fabrication.layout import Layout, NestedSheet, Placement
-from ifs_cad.fabrication.nesting import nest
+from ifs_cad.fabrication.nesting.envelope import clearance_reach
+from ifs_cad.fabrication.nesting.nest import nest
 from ifs_cad.fabrication.stock import Board, Sheet, read_stock
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.fabrication.workshop import Workshop

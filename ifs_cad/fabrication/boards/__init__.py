@@ -1,0 +1,1 @@
+"""Which planks are cut from which boards."""

@@ -1,0 +1,1 @@
+"""Drawings of sheets, boards, elements and the assembly, as pages of lines and text."""
