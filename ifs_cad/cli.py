@@ -1,4 +1,4 @@
-"""The command line: ``ifs-cad build``, ``check``, ``analyse``, ``fabricate``, ``render``, ``show``.
+"""The command line: ``ifs-cad build``, ``check``, ``fabricate``, ``verify``, ``analyse`` and more.
 
 Exit codes: 0 done, 1 an error or a failed check, 2 a wrong command line, 130 interrupted.
 """
@@ -30,6 +30,14 @@ class Side(StrEnum):
 
     inner = "inner"
     outer = "outer"
+
+
+class Hold(StrEnum):
+    """What keeps pieces in place while they are cut."""
+
+    tabs = "tabs"
+    skin = "skin"
+    none = "none"
 
 
 class _Commands(TyperGroup):
@@ -173,7 +181,25 @@ def fabricate(
     visible: Annotated[
         Side | None, typer.Option(help="The face that is seen in the building.")
     ] = None,
-    cutter: Annotated[float, typer.Option(help="Diameter of the contour cutter, mm.")] = 12.0,
+    programs: Annotated[
+        bool, typer.Option("--programs/--no-programs", help="Write G-code for every sheet.")
+    ] = True,
+    tools: Annotated[
+        Path | None,
+        typer.Option(help="A TOML file of tools, machine and control.", show_default=False),
+    ] = None,
+    cutter: Annotated[
+        float | None,
+        typer.Option(
+            help="Diameter of the contour cutter, mm.", show_default="the thinnest long enough"
+        ),
+    ] = None,
+    hold: Annotated[
+        Hold | None,
+        typer.Option(
+            help="What keeps pieces in place.", show_default="none where all are pierced, or tabs"
+        ),
+    ] = None,
     margin: Annotated[float, typer.Option(help="Kept free along the edge of sheets, mm.")] = 10.0,
     kerf: Annotated[float, typer.Option(help="Width of the saw cut between planks, mm.")] = 4.0,
     trim: Annotated[float, typer.Option(help="Cut off each end of a board, mm.")] = 10.0,
@@ -182,7 +208,7 @@ def fabricate(
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write all that a workshop needs: solids, nested sheets or boards, drawings, lists.
+    """Write all that a workshop needs: solids, nested sheets or boards, programs, drawings, lists.
 
     The folder is named after the script; open its index.html. It takes the place of the former one
     as a whole.
@@ -196,7 +222,10 @@ def fabricate(
         use=tuple(use or ()),
         only=tuple(only or ()),
         visible=None if visible is None else visible.value,
+        programs=programs,
+        tools=None if tools is None else str(tools),
         cutter=cutter,
+        hold=None if hold is None else hold.value,
         margin=margin,
         kerf=kerf,
         trim=trim,
@@ -209,6 +238,42 @@ def fabricate(
         )
     if not quiet:
         typer.echo(result.summary())
+
+
+@app.command()
+def verify(
+    files: Annotated[
+        list[Path], typer.Argument(help="Programs (G-code) of sheets.", show_default=False)
+    ],
+    job: Annotated[
+        Path | None,
+        typer.Option(
+            help="What they are to make.", show_default="job.json beside the program or above"
+        ),
+    ] = None,
+    simulate: Annotated[
+        bool, typer.Option("--simulate/--no-simulate", help="Also cut the sheet point by point.")
+    ] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Replay programs and compare what they leave with the panels; exit with 1 at any fault.
+
+    Every fault is printed with its line. LinuxCNC's rs274 reads them too where it is installed.
+    """
+    from ifs_cad.workflow.display import display
+    from ifs_cad.workflow.verify import verify_programs
+
+    with display(quiet or as_json) as listener:
+        found = verify_programs(files, job, simulate=simulate, listener=listener)
+    if as_json:
+        typer.echo(json.dumps([one.as_dict() for one in found], indent=2))
+    else:
+        for one in found:
+            if not (quiet and one.ok):
+                typer.echo(str(one), err=quiet)
+    if not all(one.ok for one in found):
+        raise typer.Exit(1)
 
 
 @app.command()

@@ -5,6 +5,7 @@ import hashlib
 import itertools
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -17,12 +18,24 @@ import numpy as np
 import openpyxl
 import pytest
 from cadquery.occ_impl.importers.assembly import importStep
+from typer.testing import CliRunner
 
-from ifs_cad.errors import AddressError, ExportError, InputError, ScriptError, StockError
+from ifs_cad.cli import app
+from ifs_cad.errors import (
+    AddressError,
+    ExportError,
+    InputError,
+    MachineError,
+    ScriptError,
+    StockError,
+)
+from ifs_cad.fabrication.machining.job import read_job
+from ifs_cad.fabrication.machining.verify import verify_file
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.workflow import fabricate as module
 from ifs_cad.workflow.fabricate import FORMER, fabricate
 from ifs_cad.workflow.manifest import NAME, differences, read_manifest
+from ifs_cad.workflow.verify import verify_programs
 
 SHELL = """
 import ifs_cad as ifs
@@ -67,10 +80,15 @@ def shell_folder(shell_script):
 
 
 @pytest.fixture(scope="module")
-def vault_folder(tmp_path_factory):
+def vault_script(tmp_path_factory):
     path = tmp_path_factory.mktemp("vault") / "barrel.py"
     path.write_text(VAULT)
-    return fabricate(path, out=path.parent / "exports").folder
+    return path
+
+
+@pytest.fixture(scope="module")
+def vault_folder(vault_script):
+    return fabricate(vault_script, out=vault_script.parent / "exports").folder
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -93,6 +111,8 @@ def test_folder_holds_all_that_a_workshop_needs(shell_folder):
         NAME,
         "sheets/sheet-01.step",
         "sheets/sheet-01.dxf",
+        "programs/sheet-01.ngc",
+        "programs/job.json",
         "drawings/sheets.pdf",
         "drawings/elements.pdf",
         "drawings/assembly.pdf",
@@ -115,7 +135,7 @@ def test_manifest_lists_every_file_with_its_checksum(shell_folder):
     assert differences(shell_folder) == []
     facts = json.loads((shell_folder / NAME).read_text())
     assert facts["part"] == "dome.py"
-    assert facts["workshop"]["cutter"] == 12.0
+    assert facts["workshop"]["margin"] == 10.0
 
 
 def test_differences_name_what_was_changed_or_lost(shell_folder, tmp_path):
@@ -152,6 +172,55 @@ def test_every_panel_lies_once_on_a_sheet_and_its_numbers_are_those_of_the_solid
         if "mm2" in next(k for k in row if "area" in k.lower()):
             scale = 1.0
         assert float(column(row, "area")) == pytest.approx(areas[address] * scale, rel=1e-9)
+
+
+def test_every_program_makes_what_was_designed(shell_folder):
+    programs = sorted((shell_folder / "programs").glob("*.ngc"))
+    assert [p.stem for p in programs] == [
+        p.stem for p in sorted((shell_folder / "sheets").glob("*.step"))
+    ]
+    found = verify_programs(programs)
+    assert all(one.ok for one in found), "\n".join(map(str, found))
+    assert sum(one.holes for one in found) == 16 * 4
+    assert max(one.plane_error for one in found) < 1e-3
+    assert max(one.angle_error for one in found) < 1e-3
+    # all are pierced, so they are screwed down after piercing, and nothing holds them otherwise
+    text = programs[0].read_text()
+    assert "(HOLD none)" in text
+    assert text.index("STEP pierce") < text.index("\nM0\n") < text.index("STEP engrave")
+
+
+def test_page_tells_what_holds_the_pieces_and_how_long_the_machine_runs(shell_folder):
+    page = (shell_folder / "index.html").read_text(encoding="utf-8")
+    assert "programs/sheet-01.ngc" in page
+    times = re.findall(r'<td class="number">(\d+):(\d\d)</td>', page)
+    total = re.search(r"<dt>machining</dt><dd>(\d+):(\d\d) h</dd>", page)
+    assert len(times) == len(list((shell_folder / "programs").glob("*.ngc")))
+    minutes = sum(60 * int(hours) + int(rest) for hours, rest in times)
+    assert 60 * int(total[1]) + int(total[2]) == pytest.approx(minutes, abs=len(times))
+
+
+def test_verify_tells_line_and_fault_of_a_program_that_was_changed(shell_folder, tmp_path):
+    program = shell_folder / "programs" / "sheet-01.ngc"
+    lines = program.read_text().splitlines()
+    start = next(k for k, line in enumerate(lines) if "STEP contour" in line)
+    turn = next(k for k, line in enumerate(lines) if k > start and re.search(r"B-?[1-9]", line))
+    lines[turn] = re.sub(r"B(-?)", lambda hit: "B" if hit[1] else "B-", lines[turn])
+    changed = tmp_path / "sheet-01.ngc"
+    changed.write_text("\n".join(lines) + "\n")
+    job = shell_folder / "programs" / "job.json"
+    good = CliRunner().invoke(app, ["verify", str(program), "--no-simulate"])
+    assert (good.exit_code, "verified" in good.output) == (0, True)
+    bad = CliRunner().invoke(
+        app, ["verify", str(changed), "--job", str(job), "--json", "--no-simulate"]
+    )
+    assert bad.exit_code == 1
+    (report,) = json.loads(bad.output)
+    assert not report["ok"]
+    assert any(turn < fault["line"] < turn + 12 for fault in report["faults"])
+    missing = CliRunner().invoke(app, ["verify", str(changed)])
+    assert missing.exit_code == 1
+    assert "no job.json beside" in missing.output
 
 
 def test_addresses_stay_text_in_the_spreadsheet(shell_folder):
@@ -208,6 +277,51 @@ def test_rerun_takes_the_place_of_the_folder_and_keeps_the_users_files(shell_scr
     assert [column(r, "address") for r in listed] == ["00"]
     assert "notes.txt" not in read_manifest(first.folder)
     assert {p.name for p in tmp_path.iterdir()} == {"dome"}
+
+
+def test_machine_of_three_axes_gets_square_pieces_and_a_saw_list(shell_script, tmp_path):
+    tools = tmp_path / "tools.toml"
+    tools.write_text("[machine]\nrotary = 'none'\n")
+    shop = Workshop(tools=str(tools), only=("0*",), hold="tabs")
+    folder = fabricate(shell_script, out=tmp_path, workshop=shop).folder
+    for path in sorted((folder / "programs").glob("*.ngc")):
+        moving = re.sub(r"\([^)]*\)", "", path.read_text())
+        assert not re.search(r"[ABC]-?\d", moving)
+        assert verify_file(path).ok
+    job = read_job(folder / "programs" / "job.json")
+    assert {side.inclination for piece in job.workpieces for side in piece.sides} == {0.0}
+    assert len(rows(folder / "lists" / "saw_list.csv")) > 0
+
+
+def test_no_programs_are_written_where_none_are_wanted(shell_script, tmp_path):
+    shop = Workshop(programs=False, only=("00",))
+    done = fabricate(shell_script, out=tmp_path, workshop=shop)
+    assert not (done.folder / "programs").exists()
+    assert "machining" not in done.report
+
+
+def test_planks_are_cut_from_sheets_where_the_workshop_names_some(vault_script, tmp_path):
+    stock = tmp_path / "stock.toml"
+    stock.write_text(
+        "[[sheets]]\nname = 'panel 27'\nlength = 2500\nwidth = 1250\nthickness = 27\n"
+        "material = 'spruce'\n"
+    )
+    shop = Workshop(stock=str(stock), use=("panel 27",))
+    folder = fabricate(vault_script, out=tmp_path, workshop=shop).folder
+    programs = sorted((folder / "programs").glob("*.ngc"))
+    found = verify_programs(programs, simulate=False)
+    assert all(one.ok for one in found), "\n".join(map(str, found))
+    assert sum(one.sides for one in found) == 4 * (4 + 5 + 4)
+    assert (folder / "sheets" / "sheet-01.step").is_file()
+    assert not (folder / "boards").exists()
+
+
+def test_side_that_the_head_cannot_reach_is_an_error_with_its_angle(shell_script, tmp_path):
+    tools = tmp_path / "tools.toml"
+    tools.write_text("[machine]\ntilt = [-5, 5]\n")
+    with pytest.raises(MachineError, match=r"inclined by .* tilts by 5 at most"):
+        fabricate(shell_script, out=tmp_path, workshop=Workshop(tools=str(tools)))
+    assert not (tmp_path / "dome").exists()
 
 
 def test_run_that_dies_leaves_the_former_folder_whole(shell_script, tmp_path):
@@ -287,7 +401,14 @@ def test_face_that_is_seen_is_not_engraved_on_sheets_with_one_good_face(shell_sc
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"cutter": 0}, {"margin": -1}, {"kerf": np.nan}, {"method": "slow"}, {"visible": "top"}],
+    [
+        {"cutter": 0},
+        {"hold": "glue"},
+        {"margin": -1},
+        {"kerf": np.nan},
+        {"method": "slow"},
+        {"visible": "top"},
+    ],
 )
 def test_workshop_refuses_what_cannot_be_meant(wrong):
     with pytest.raises(InputError):

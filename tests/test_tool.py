@@ -7,6 +7,8 @@ import pytest
 
 from ifs_cad.errors import InputError
 from ifs_cad.fabrication.machining.machine import Clamp, Machine
+from ifs_cad.fabrication.machining.orientation import RotaryHead
+from ifs_cad.fabrication.machining.post import FANUC, LINUXCNC, THREE_AXES
 from ifs_cad.fabrication.machining.router import Router, read_router
 from ifs_cad.fabrication.machining.tool import Tool
 
@@ -81,7 +83,7 @@ def test_tool_without_materials_cuts_all():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"rotary": "AB"}, "rotary must be 'AC' or 'BC', got 'AB'"),
+        ({"rotary": "AB"}, "rotary must be 'AC', 'BC' or 'none', got 'AB'"),
         ({"x": (10.0, 10.0)}, "x must rise from least to largest mm"),
         ({"turn": (-math.inf, 0.0)}, "turn must rise from least to largest degrees"),
         ({"spindle": (5.0, 1.0)}, "spindle must rise"),
@@ -146,6 +148,30 @@ def test_own_machine_changes_only_what_it_gives(file):
     assert isinstance(machine, Machine)
 
 
+def test_control_is_the_usual_one_of_the_axes_unless_a_file_says_otherwise(file):
+    assert LIBRARY.post == LINUXCNC
+    assert read_router(file("[machine]\nrotary = 'AC'")).post == FANUC
+    assert read_router(file("[machine]\nrotary = 'none'")).post == THREE_AXES
+    post = read_router(
+        file(
+            "[machine]\nrotary = 'AC'\n[post]\nname = 'ours'\ntilt_sign = -1\ndecimals = 3\n"
+            "tool_centre_point = false\nheader = ['%', 'O{number:04}', 'G17']\nline_numbers = 0"
+        )
+    ).post
+    assert post.head == RotaryHead("AC", tilt_sign=-1)
+    assert (post.name, post.decimals, post.line_numbers) == ("ours", 3, 0)
+    assert post.header == ("%", "O{number:04}", "G17")
+    assert post.tool_offset == FANUC.tool_offset
+    convention = post.convention(replace(LIBRARY.machine, rotary="AC", pivot=150.0))
+    assert (convention.axes, convention.tilt_sign, convention.pivot) == ("AC", -1, 150.0)
+
+
+def test_machine_of_three_axes_does_not_tilt():
+    assert replace(LIBRARY.machine, rotary="none").largest_tilt == 0.0
+    with pytest.raises(InputError, match="for rotary axes BC; five-axis router has none"):
+        Router(replace(LIBRARY.machine, rotary="none"), LIBRARY.tools, LINUXCNC)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -164,8 +190,16 @@ def test_own_machine_changes_only_what_it_gives(file):
         (OWN + "teeth = 2", "unknown key 'teeth'"),
         (OWN + OWN, r"entry 2 \(long mill\): the number 21 is taken by 'long mill'"),
         ("[machine]\nx = [0]", r"\[machine\]: x must be two numbers, the least and the largest"),
-        ("[machine]\nrotary = 'XY'", r"\[machine\]: rotary must be 'AC' or 'BC'"),
+        ("[machine]\nrotary = 'XY'", r"\[machine\]: rotary must be 'AC', 'BC' or 'none'"),
         ("[machine]\nlegs = 4", r"\[machine\]: unknown key 'legs'"),
+        (
+            "[post]\nlike = 'heidenhain'",
+            r"like must be 'linuxcnc', 'fanuc' or 'three axes'",
+        ),
+        ("[post]\nlike = 'fanuc'", "for rotary axes AC; five-axis router has BC"),
+        ("[post]\ntilt_sign = 2", r"\[post\]: tilt_sign must be 1 or -1, got 2"),
+        ("[post]\ndecimals = 12", r"\[post\]: .*decimals must be 0 to 9"),
+        ("[post]\ndialect = 1", r"\[post\]: unknown key 'dialect'"),
         ("[[machine.clamps]]\nx = [0, 1]", r"\[\[machine.clamps\]\] entry 1: y, z missing"),
     ],
 )

@@ -23,7 +23,7 @@ from broken_programs import (
 from ifs_cad.errors import AddressError, InputError
 from ifs_cad.fabrication.layout import Layout
 from ifs_cad.fabrication.machining.convention import RIGHT_HANDED_AC
-from ifs_cad.fabrication.machining.job import read_job, write_job
+from ifs_cad.fabrication.machining.job import Job, read_job, write_job
 from ifs_cad.fabrication.machining.settings import Settings
 from ifs_cad.fabrication.machining.swept import Solids, Sweeps, depths
 from ifs_cad.fabrication.machining.verify import verify, verify_file
@@ -126,7 +126,7 @@ def test_cylinder_beside_a_box_enters_by_what_its_radius_exceeds():
 @pytest.fixture
 def job(tmp_path):
     layout = Layout((sheet(),), 20.0, 15.0)
-    write_job(tmp_path / "job.json", layout, pieces(), tools(), machine(), SETTINGS)
+    write_job(tmp_path / "job.json", Job(layout, pieces(), tools(), machine(), SETTINGS))
     return tmp_path
 
 

@@ -23,6 +23,7 @@ from ifs_cad.errors import ExportError, InputError
 from ifs_cad.fabrication.boards.cutting_plan import CuttingPlan
 from ifs_cad.fabrication.cutlist import CutList, Edge, Entry
 from ifs_cad.fabrication.layout import NestedSheet
+from ifs_cad.fabrication.machining.motion import hours
 from ifs_cad.fabrication.plan import Plan
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.files import replaced
@@ -32,20 +33,22 @@ _FORMATS = {".step": "STEP", ".dxf": "DXF", ".btlx": "BTLx", ".ngc": "G-code"}
 _CONTENTS = (
     ("sheets/*.step", "the pieces as they lie on the sheet or board, marked face up"),
     ("sheets/*.dxf", "outlines, holes, engraving and chamfer angles of a sheet or board"),
+    ("programs/*.ngc", "the program of a sheet: pierce, engrave, cut the contours"),
+    ("programs/job.json", "what the programs are verified against"),
     ("drawings/sheets.pdf", "a drawing of every sheet"),
     ("drawings/boards.pdf", "a drawing of every board"),
     ("drawings/elements.pdf", "a drawing of every kind of element, with all its measures"),
     ("drawings/assembly.pdf", "what is put up when, step by step"),
     ("lists/cut_list.*", "every element: measures, neighbours, place on its sheet or board"),
     ("lists/planks.*", "planks by what the saw is set to"),
+    ("lists/saw_list.*", "chamfers for a saw, where the router has upright tools only"),
     ("*/*", ""),
     ("*.step", "all elements in place, exact"),
     ("*.png", "the picture above"),
 )
 _FOR_SHEETS = (
     ("visible", "face that is seen", ""),
-    ("cutter", "diameter of the contour cutter", " mm"),
-    ("breakthrough", "how far it reaches below the sheet", " mm"),
+    ("breakthrough", "how far contours reach below the sheet", " mm"),
     ("gap", "wood left between two cuts", " mm"),
     ("margin", "kept free along the edge of sheets", " mm"),
     ("method", "way of nesting", ""),
@@ -67,6 +70,7 @@ def export_overview(
     workshop: Workshop,
     drawings: Mapping[str, str],
     assembly: str = "",
+    times: Mapping[str, float] | None = None,
     files: Iterable[str] | None = None,
 ) -> Path:
     """Write the overview of a folder.
@@ -82,6 +86,7 @@ def export_overview(
     workshop : Workshop
     drawings : SVG of each sheet or board, by its name; those it lacks are not drawn
     assembly : SVG of the order of assembly, optional
+    times : seconds that the program of each sheet takes, by its name, optional
     files : paths of what to link to, relative to the page's folder, with "/" between their parts;
         by default all that the folder holds
 
@@ -100,11 +105,11 @@ def export_overview(
     linked = _found(target) if files is None else [*files]
     image = _picture(Path(picture), name)
     parts = [
-        _header(name, plan, cut_list, bool(assembly)),
+        _header(name, plan, cut_list, bool(assembly), times or {}),
         "<main>",
         f'<section id="design"><h2>Design</h2><div class="pair">{image}{_report(report)}</div>'
         "</section>",
-        _stock(plan, linked),
+        _stock(plan, linked, times or {}),
         _drawings(plan, drawings),
         _assembly(assembly, linked),
         _cut_list(cut_list, plan),
@@ -128,7 +133,9 @@ def export_overview(
     return target
 
 
-def _header(name: str, plan: Plan, cut_list: CutList, with_assembly: bool) -> str:
+def _header(
+    name: str, plan: Plan, cut_list: CutList, with_assembly: bool, times: Mapping[str, float]
+) -> str:
     entries = cut_list.entries
     stacks = sorted({(entry.thickness, entry.material) for entry in entries})
     facts = [
@@ -140,10 +147,12 @@ def _header(name: str, plan: Plan, cut_list: CutList, with_assembly: bool) -> st
     if plan.boards is None:
         facts.append(("sheets", f"{len(plan.layout.sheets)}"))
         facts.append(("used of the sheets", f"{plan.layout.utilisation:.1%}"))
+        if times:
+            facts.append(("machining", f"{hours(sum(times.values()))} h"))
     else:
         facts.append(("boards", f"{len(plan.boards.boards)}"))
         facts.append(("waste", f"{plan.boards.waste:.1%}"))
-    stock = _kind(plan)
+    stock = plan.kind
     links = [
         ("design", "Design"),
         ("stock", stock.capitalize()),
@@ -187,17 +196,18 @@ def _report(report: str) -> str:
     return _table("Report", (), rows)
 
 
-def _stock(plan: Plan, linked: Sequence[str]) -> str:
-    kind = _kind(plan)
+def _stock(plan: Plan, linked: Sequence[str], times: Mapping[str, float]) -> str:
+    kind = plan.kind
     made: dict[str, list[str]] = {}
     for file in linked:
-        if PurePosixPath(file).suffix in _FORMATS:
-            made.setdefault(str(PurePosixPath(file).with_suffix("")), []).append(file)
+        place = PurePosixPath(file)
+        if place.suffix in _FORMATS and str(place.parent) in (kind, "programs"):
+            made.setdefault(place.stem, []).append(file)
     rows = []
     for sheet in plan.layout.sheets:
         links = " ".join(
             f'<a href="{_link(file)}">{_FORMATS[PurePosixPath(file).suffix]}</a>'
-            for file in made.get(f"sheets/{sheet.name}", ())
+            for file in made.get(sheet.name, ())
         )
         offcuts = ", ".join(f"{x:.0f} &times; {y:.0f}" for x, y in sheet.offcuts[:, 2:]) or "none"
         rows.append(
@@ -207,9 +217,21 @@ def _stock(plan: Plan, linked: Sequence[str]) -> str:
             f'<td class="number">{len(sheet.placements)}</td>'
             f'<td class="number"><meter min="0" max="1" value="{sheet.utilisation:.4f}"></meter>'
             f"{sheet.utilisation:.1%}</td>"
-            f"<td>{offcuts}</td><td>{links}</td></tr>"
+            f"<td>{offcuts}</td>"
+            + (f'<td class="number">{hours(times[sheet.name])}</td>' if times else "")
+            + f"<td>{links}</td></tr>"
         )
-    heads = (kind[:-1], "stock", "size (mm)#", "pieces#", "used#", "left over (mm)", "files")
+    timed = ("time (h)#",) if times else ()
+    heads = (
+        kind[:-1],
+        "stock",
+        "size (mm)#",
+        "pieces#",
+        "used#",
+        "left over (mm)",
+        *timed,
+        "files",
+    )
     return (
         f'<section id="stock"><h2>{kind.capitalize()}</h2>{_bought(plan)}'
         f"{_table(f'All {kind}', heads, rows)}</section>"
@@ -277,7 +299,7 @@ def _assembly(drawing: str, linked: Sequence[str]) -> str:
 
 def _cut_list(cut_list: CutList, plan: Plan) -> str:
     measures = ("x#", "y#", "turn#", "area (m2)#", "mass (kg)#")
-    heads = ("address", "group#", _kind(plan)[:-1], *measures, "edges")
+    heads = ("address", "group#", plan.kind[:-1], *measures, "edges")
     rows = map(_row, cut_list.entries)
     return (
         '<section id="cut-list"><h2>Cut list</h2>'
@@ -319,6 +341,7 @@ def _settings(workshop: Workshop, plan: Plan) -> str:
         ("file of stock", Path(workshop.stock).name if workshop.stock else "none, common sizes"),
         ("stock to use", ", ".join(workshop.use) or "all that fits"),
         ("elements to make", ", ".join(workshop.only) or "all"),
+        *_router(plan, workshop),
         *((said, _value(values[key], unit)) for key, said, unit in used),
     ]
     rows = [
@@ -328,6 +351,19 @@ def _settings(workshop: Workshop, plan: Plan) -> str:
         '<section id="settings"><h2>Settings</h2>'
         f"{_table('What the workshop decided', (), rows)}</section>"
     )
+
+
+def _router(plan: Plan, workshop: Workshop) -> list[tuple[str, str]]:
+    """Return what the router is set to, or what sheets are nested for without programs."""
+    setup = plan.setup
+    if setup is None:
+        return [("diameter of the contour cutter", _value(workshop.cutter, " mm"))]
+    return [
+        ("file of tools", Path(workshop.tools).name if workshop.tools else "none, common tools"),
+        ("router", f"{setup.router.machine.name}, {setup.router.post.name}"),
+        ("contours", str(setup.mill)),
+        ("what holds the pieces", str(setup.settings)),
+    ]
 
 
 def _files(linked: Sequence[str], folder: Path) -> str:
@@ -357,10 +393,6 @@ def _table(caption: str, heads: Sequence[str], rows: Iterable[str]) -> str:
         f'<div class="scroll" role="region" aria-label="{caption}" tabindex="0"><table>'
         f"<caption>{caption}</caption>{head}<tbody>\n{body}\n</tbody></table></div>"
     )
-
-
-def _kind(plan: Plan) -> str:
-    return "sheets" if plan.boards is None else "boards"
 
 
 def _text(text: str) -> str:

@@ -1,13 +1,14 @@
 """Plans: what is cut from which stock. Panels are nested on sheets, planks cut from boards.
 
 A board is a sheet as wide as its planks, so both end in the same layout, and all files that show a
-layout show both.
+layout show both. Planks are nested like panels where the workshop names sheets for them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from ifs_cad.elements.panel import Face
 from ifs_cad.errors import StockError
 from ifs_cad.fabrication.boards.cutting_plan import CuttingPlan, cut_boards
 from ifs_cad.fabrication.layout import Layout, NestedSheet, Placement
+from ifs_cad.fabrication.machining.router import read_router
+from ifs_cad.fabrication.machining.setup import Setup, set_up
 from ifs_cad.fabrication.nesting.envelope import clearance_reach
 from ifs_cad.fabrication.nesting.nest import nest
 from ifs_cad.fabrication.stock import Board, Sheet, read_stock
@@ -24,6 +27,9 @@ from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.tolerance import DEFAULT
 from ifs_cad.types import FloatArray
+
+USUAL_CUTTER = 12.0
+"""Diameter of the cutter that sheets are nested for when other software writes the programs, mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +39,18 @@ class Plan:
     Attributes
     ----------
     layout : Layout
-    boards : CuttingPlan, for planks; None for panels
+    boards : CuttingPlan, of planks cut from boards; None for what is cut from sheets
+    setup : Setup, of the router that cuts the sheets; None where no programs are wanted
     """
 
     layout: Layout
     boards: CuttingPlan | None = None
+    setup: Setup | None = None
+
+    @property
+    def kind(self) -> Literal["sheets", "boards"]:
+        """What is cut."""
+        return "sheets" if self.boards is None else "boards"
 
     def __str__(self) -> str:
         return str(self.layout if self.boards is None else self.boards)
@@ -62,12 +75,14 @@ def make_plan(
     ------
     StockError
         No stock fits, or there is not enough.
+    MachineError
+        What the router cannot cut; names the address and the side.
     InputError
         Names of stock that are not known, or numbers that cannot be meant.
     """
     stock = read_stock(workshop.stock)
     chosen = [stock[name] for name in workshop.use]
-    if elements.cut_from == "boards":
+    if elements.cut_from == "boards" and not any(isinstance(one, Sheet) for one in chosen):
         plan = _cut(pieces, [b for b in chosen or stock.boards if isinstance(b, Board)], workshop)
         return Plan(_as_layout(plan, pieces, workshop), plan)
     sheets = [sheet for sheet in chosen or stock.sheets if isinstance(sheet, Sheet)]
@@ -81,20 +96,31 @@ def make_plan(
                 f"{', '.join(one_sided)} have only one good face. Engrave the other face, or use "
                 "sheets with two."
             )
-    reaches = [clearance_reach(p, workshop.cutter, workshop.breakthrough) for p in pieces]
-    spacing = max(reach.beyond for reach in reaches) + workshop.gap
-    rule = getattr(elements, "fibre", None)
-    return Plan(
-        nest(
+    setup, reach = None, 0.0
+    if workshop.programs:
+        setup = set_up(
             pieces,
-            sheets,
-            spacing=spacing,
-            margin=workshop.margin,
-            fibre=rule if isinstance(rule, Fibre) else None,
-            method=workshop.method,
-            seconds=workshop.seconds,
+            read_router(workshop.tools),
+            cutter=workshop.cutter,
+            hold=workshop.hold,
+            breakthrough=workshop.breakthrough,
         )
+        reach = setup.spacing
+    else:
+        cutter = USUAL_CUTTER if workshop.cutter is None else workshop.cutter
+        reaches = (clearance_reach(piece, cutter, workshop.breakthrough) for piece in pieces)
+        reach = max(one.beyond for one in reaches)
+    rule = getattr(elements, "fibre", None)
+    layout = nest(
+        pieces,
+        sheets,
+        spacing=reach + workshop.gap,
+        margin=workshop.margin,
+        fibre=rule if isinstance(rule, Fibre) else None,
+        method=workshop.method,
+        seconds=workshop.seconds,
     )
+    return Plan(layout, setup=setup)
 
 
 def _cut(pieces: Sequence[Workpiece], boards: Sequence[Board], workshop: Workshop) -> CuttingPlan:

@@ -1,4 +1,4 @@
-"""What a workshop decides: stock, cutter, spacing, saw, and how hard to look for a good nest."""
+"""What a workshop decides: stock, router, spacing, saw, and how hard to look for a good nest."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args
 
 from ifs_cad.elements.panel import Face, require_face
 from ifs_cad.errors import InputError
+from ifs_cad.fabrication.machining.settings import Hold
 
 Method = Literal["fast", "thorough"]
 
@@ -27,8 +28,18 @@ class Workshop:
     visible : "inner", "outer" or None
         Which face is seen in the building; sheets with one good face show it there, so it must
         not be engraved.
-    cutter : float
-        Diameter of the cutter of contours, mm.
+    programs : bool
+        Whether to write programs for the router; without, sheets are nested for the given cutter
+        and programs are left to other software.
+    tools : str, optional
+        A TOML file of tools, the machine and its control beyond the common ones, see
+        `fabrication.machining.router`.
+    cutter : float, optional
+        Diameter of the cutter of contours, mm; by default the thinnest end mill that is long
+        enough for all pieces, or 12 mm without programs.
+    hold : "tabs", "skin", "none" or None
+        What keeps pieces in place, see `fabrication.machining.settings`; by default nothing where
+        all are pierced and so can be screwed to the table, the paper's way, and bridges elsewhere.
     breakthrough : float
         How far it reaches below the sheet, mm.
     gap : float
@@ -51,7 +62,10 @@ class Workshop:
     use: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
     visible: Face | None = None
-    cutter: float = 12.0
+    programs: bool = True
+    tools: str | None = None
+    cutter: float | None = None
+    hold: Hold | None = None
     breakthrough: float = 0.5
     gap: float = 1.0
     margin: float = 10.0
@@ -67,12 +81,14 @@ class Workshop:
             require_face(self.visible)
         for name in ("cutter", "seconds"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
+            if value is not None and not (math.isfinite(value) and value > 0):
                 raise InputError(f"{name} must be positive, got {value}.")
         for name in ("breakthrough", "gap", "margin", "kerf", "trim"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0):
                 raise InputError(f"{name} must not be negative, got {value} mm.")
+        if self.hold not in (None, *get_args(Hold)):
+            raise InputError(f"hold must be one of {', '.join(get_args(Hold))}, got {self.hold!r}.")
         if self.method not in get_args(Method):
             raise InputError(f'The method must be "fast" or "thorough", got {self.method!r}.')
 

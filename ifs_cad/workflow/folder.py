@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from ifs_cad import progress
 from ifs_cad.design.address import matching
 from ifs_cad.elements.element import Elements
-from ifs_cad.errors import ScriptError
+from ifs_cad.errors import CheckError, ScriptError
 from ifs_cad.export.btlx import export_btlx
 from ifs_cad.export.cutlist import export_csv, export_xlsx
 from ifs_cad.export.drawing import (
@@ -30,9 +30,14 @@ from ifs_cad.export.drawing import (
     sheet_svg,
 )
 from ifs_cad.export.dxf import export_dxf
+from ifs_cad.export.gcode import export_gcode
 from ifs_cad.export.overview import export_overview
 from ifs_cad.export.step import export_sheets, export_step
 from ifs_cad.fabrication.cutlist import CutList, cut_list
+from ifs_cad.fabrication.machining.job import JOB_FILE, Job, read_job, write_job
+from ifs_cad.fabrication.machining.motion import machining_summary, machining_time
+from ifs_cad.fabrication.machining.toolpath import toolpaths
+from ifs_cad.fabrication.machining.verify import verify_file
 from ifs_cad.fabrication.operations import workpieces
 from ifs_cad.fabrication.plan import Plan, make_plan
 from ifs_cad.fabrication.planklist import plank_list
@@ -59,6 +64,7 @@ class Folder:
     pieces : by address, what is to be made of it
     plan : Plan
     list : CutList
+    times : seconds that the program of each sheet takes, by name; filled as programs are written
     """
 
     path: Path
@@ -69,11 +75,17 @@ class Folder:
     pieces: Mapping[str, Workpiece]
     plan: Plan
     list: CutList
+    times: dict[str, float] = field(default_factory=dict)
 
     @property
     def stock(self) -> Path:
         """Where the files of each sheet or board are."""
-        return self.path / self.elements.cut_from
+        return self.path / self.plan.kind
+
+    @property
+    def programs(self) -> Path:
+        """Where the programs of the sheets are, with the job that they are verified against."""
+        return self.path / "programs"
 
     @property
     def picture(self) -> Path:
@@ -107,6 +119,8 @@ def make_folder(assembly: Any, path: Path, name: str, workshop: Workshop) -> dic
         make(folder)
         seconds[what] = time.perf_counter() - begin
     report = [str(folder.elements.report()), "", str(folder.plan)]
+    if folder.times:
+        report += ["", machining_summary(folder.times)]
     return {
         "seconds": seconds,
         "report": "\n".join(report),
@@ -128,7 +142,7 @@ def _planned(assembly: Any, path: Path, name: str, workshop: Workshop) -> Folder
         chosen = np.flatnonzero(matching(elements.addresses, workshop.only))
         pieces = tuple(pieces[k] for k in chosen)
         assembly = extract(assembly, [piece.address for piece in pieces])
-    progress.report("nesting" if elements.cut_from == "sheets" else "cutting boards")
+    progress.report("planning the cuts")
     plan = make_plan(elements, pieces, workshop, None if label is None else label.face)
     by_address = {piece.address: piece for piece in pieces}
     listed = cut_list(pieces, plan.layout)
@@ -148,6 +162,37 @@ def _outlines(folder: Folder) -> None:
     for number, sheet in enumerate(sheets):
         progress.report("outlines (DXF)", number, len(sheets))
         export_dxf(sheet, folder.pieces, folder.stock / f"{sheet.name}.dxf")
+
+
+def _programs(folder: Folder) -> None:
+    setup, layout = folder.plan.setup, folder.plan.layout
+    if setup is None:
+        return
+    router, settings = setup.router, setup.settings
+    post, machine = router.post, router.machine
+    for number, sheet in enumerate(layout.sheets):
+        progress.report("programs (G-code)", number, len(layout.sheets))
+        program = toolpaths(sheet, setup.pieces, router.tools, machine, settings)
+        export_gcode(program, folder.programs / f"{sheet.name}.ngc", post)
+        folder.times[sheet.name] = machining_time(program)
+    job = Job(layout, setup.pieces, router.tools, machine, settings, post.convention(machine))
+    write_job(folder.programs / JOB_FILE, job)
+
+
+def _verification(folder: Folder) -> None:
+    """Read every program back and compare it with the pieces; simulating is left to `verify`."""
+    setup, sheets = folder.plan.setup, folder.plan.layout.sheets
+    if setup is None:
+        return
+    job = read_job(folder.programs / JOB_FILE)
+    for number, sheet in enumerate(sheets):
+        progress.report("verification", number, len(sheets))
+        found = verify_file(folder.programs / f"{sheet.name}.ngc", job, simulate=False)
+        if not found.ok:
+            raise CheckError(
+                f"The program that was written for {sheet.name} is not what was designed, so "
+                f"nothing was kept. Please report this.\n{found}"
+            )
 
 
 def _drawings(folder: Folder) -> None:
@@ -207,6 +252,7 @@ def _overview(folder: Folder) -> None:
         workshop=folder.workshop,
         drawings=drawings,
         assembly=assembly_svg(folder.elements, only=folder.workshop.only or None),
+        times=folder.times,
     )
 
 
@@ -215,6 +261,8 @@ MAKERS: dict[str, Callable[[Folder], None]] = {
     "sheets (STEP)": _sheets,
     "outlines (DXF)": _outlines,
     "parts (BTLx)": _btlx,
+    "programs (G-code)": _programs,
+    "verification": _verification,
     "drawings": _drawings,
     "lists": _lists,
     "assembly plan": _assembly_plan,

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -66,22 +65,13 @@ class Job:
         raise InputError(f"The job has no sheet {name!r}. It has {names}.")
 
 
-def write_job(
-    path: str | os.PathLike[str],
-    layout: Layout,
-    workpieces: Iterable[Workpiece],
-    tools: Iterable[Tool],
-    machine: Machine,
-    settings: Settings,
-    *,
-    convention: Convention = LINUXCNC,
-) -> Path:
+def write_job(path: str | os.PathLike[str], job: Job) -> Path:
     """Write what the programs of a layout are to be verified against.
 
     Parameters
     ----------
     path : path of the file; its folder is made when missing
-    layout, workpieces, tools, machine, settings, convention : see `Job`
+    job : Job
 
     Returns
     -------
@@ -92,7 +82,6 @@ def write_job(
     ExportError
         The file could not be written; what stood there before is unchanged.
     """
-    job = Job(layout, tuple(workpieces), tuple(tools), machine, settings, convention)
     content = {"format": FORMAT, "version": VERSION, **to_plain(job)}
     target = Path(path)
     with replaced(target) as scratch:

@@ -15,7 +15,7 @@ Source: section 4.3, figure 19.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
@@ -201,6 +201,24 @@ def machining_time(program: Program, machine: Machine | None = None) -> float:
     """
     machine = machine or program.machine
     return sum(machine.tool_change + _minutes(step.moves, machine) * 60.0 for step in program.steps)
+
+
+def machining_summary(times: Mapping[str, float]) -> str:
+    """Return the times of programs as text.
+
+    Parameters
+    ----------
+    times : seconds that each program takes, by the name of its sheet
+    """
+    listed = ", ".join(f"{name} {hours(seconds)}" for name, seconds in times.items())
+    programs = "1 program" if len(times) == 1 else f"{len(times)} programs"
+    return f"{programs}, {hours(sum(times.values()))} h of machining: {listed}"
+
+
+def hours(seconds: float) -> str:
+    """Return a time as hours and minutes."""
+    whole, minutes = divmod(round(seconds / 60.0), 60)
+    return f"{whole}:{minutes:02}"
 
 
 def _minutes(moves: Moves, machine: Machine) -> float:

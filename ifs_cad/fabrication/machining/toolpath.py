@@ -12,7 +12,7 @@ import numpy as np
 from ifs_cad.design.address import listed
 from ifs_cad.elements.arcs import Path
 from ifs_cad.errors import InputError, MachineError
-from ifs_cad.fabrication.layout import NestedSheet
+from ifs_cad.fabrication.layout import NestedSheet, Placement
 from ifs_cad.fabrication.machining.contour import contours, passes_of
 from ifs_cad.fabrication.machining.flank import FlankCuts, Flanks, Placed
 from ifs_cad.fabrication.machining.limits import require_within
@@ -25,7 +25,7 @@ from ifs_cad.fabrication.workpiece import Drill, Engraving, Workpiece
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import FloatArray
 
-__all__ = ["toolpaths"]
+__all__ = ["contour_mill", "toolpaths"]
 
 
 def toolpaths(
@@ -81,6 +81,35 @@ def toolpaths(
     return program
 
 
+def contour_mill(
+    pieces: Iterable[Workpiece],
+    tools: Sequence[Tool],
+    machine: Machine,
+    settings: Settings | None = None,
+    *,
+    tol: Tolerance = DEFAULT,
+) -> Tool:
+    """Return the thinnest end mill that is long enough for all sides of all pieces.
+
+    Parameters
+    ----------
+    pieces : Workpieces of one thickness
+    tools : those for their material
+    machine : Machine
+    settings : Settings, optional
+
+    Raises
+    ------
+    MachineError
+        None is long enough, or the head does not tilt far enough; names the address and the side.
+    """
+    settings = settings or Settings()
+    placed = [(piece, Placement(piece.address, 0.0, 0.0, 0.0)) for piece in pieces]
+    flanks = Flanks.of(placed, settings.direction, tol)
+    _require_tilt(flanks, machine, tol)
+    return _with_tool(flanks, tools, settings, placed[0][0].thickness).tool
+
+
 def _placed(sheet: NestedSheet, workpieces: Iterable[Workpiece], tol: Tolerance) -> list[Placed]:
     by_address = {piece.address: piece for piece in workpieces}
     lost = [one.address for one in sheet.placements if one.address not in by_address]
@@ -120,7 +149,8 @@ def _require_tilt(flanks: Flanks, machine: Machine, tol: Tolerance) -> None:
     if np.radians(tilts[worst] - machine.largest_tilt) > tol.parallel:
         raise MachineError(
             f"The {flanks.name(worst)} is inclined by {flanks.inclinations[worst]:.2f} degrees; "
-            f"the head of {machine.name} tilts by {machine.largest_tilt:g} at most.",
+            f"the head of {machine.name} tilts by {machine.largest_tilt:g} at most. Fold less "
+            "there, or write no programs and cut it another way.",
             addresses=[flanks.address(worst)],
             angle=float(flanks.inclinations[worst]),
         )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 from ifs_cad.fabrication.machining.fault import Fault
 from ifs_cad.types import BoolArray
@@ -65,6 +66,12 @@ class Verification:
     def ok(self) -> bool:
         """Whether there is no fault."""
         return not self.faults
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all of it as plain values, for JSON."""
+        values = asdict(self)
+        values["removed"] = None if math.isnan(self.removed) else self.removed
+        return {"ok": self.ok, **values}
 
     def __str__(self) -> str:
         verdict = "verified" if self.ok else f"{len(self.faults)} faults"

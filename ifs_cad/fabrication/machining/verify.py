@@ -24,7 +24,7 @@ from ifs_cad.fabrication.layout import NestedSheet
 from ifs_cad.fabrication.machining.convention import LINUXCNC, Convention
 from ifs_cad.fabrication.machining.cuts import Cuts, cuts_of
 from ifs_cad.fabrication.machining.fault import Fault
-from ifs_cad.fabrication.machining.job import find_job, read_job
+from ifs_cad.fabrication.machining.job import Job, find_job, read_job
 from ifs_cad.fabrication.machining.linuxcnc import differences, interpreter, replayed
 from ifs_cad.fabrication.machining.machine import Machine
 from ifs_cad.fabrication.machining.motions import Program
@@ -146,7 +146,7 @@ def verify(
 
 def verify_file(
     program: str | os.PathLike[str],
-    job: str | os.PathLike[str] | None = None,
+    job: Job | str | os.PathLike[str] | None = None,
     *,
     linuxcnc: bool | None = None,
     simulate: bool = True,
@@ -158,7 +158,8 @@ def verify_file(
     ----------
     program : path of the program; it is for the sheet that its comment `(SHEET name ...)` names, or
         else its own name
-    job : path of what to verify it against; by default `job.json` in its folder or the one above
+    job : what to verify it against, or its path; by default `job.json` in the program's folder or
+        the one above
     linuxcnc, simulate : see `verify`
     tol : Tolerance
 
@@ -172,7 +173,7 @@ def verify_file(
         text = source.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise InputError(f"{source} cannot be read: {error.strerror or error}.") from error
-    against = read_job(find_job(source) if job is None else job)
+    against = job if isinstance(job, Job) else read_job(find_job(source) if job is None else job)
     named = _SHEET.search(text)
     return verify(
         text,

@@ -10,7 +10,7 @@ import numpy as np
 from ifs_cad.fabrication.machining.cuts import Cuts
 from ifs_cad.fabrication.machining.fault import Fault
 from ifs_cad.fabrication.machining.motions import Program
-from ifs_cad.fabrication.machining.placed import PlacedSheet
+from ifs_cad.fabrication.machining.placed import Holes, PlacedSheet
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.fabrication.machining.verification import Finding
 from ifs_cad.tolerance import Tolerance
@@ -28,15 +28,14 @@ def verify_holes(
     makes = np.zeros((len(cuts), len(sheet.addresses)), dtype=bool)
     if len(holes.owners) == 0:
         return Finding((), makes, {})
-    drills = np.flatnonzero(
-        cuts.feeds
-        & cuts.upright
+    down = (
+        cuts.upright
         & (cuts.along_axis == -1)
         & (cuts.ends[:, 2] < sheet.thickness - tol.machined)
         & (cuts.motions.tools > 0)
     )
-    offsets = cuts.ends[drills, None, :2] - holes.points
-    off = np.hypot(offsets[..., 0], offsets[..., 1])
+    drills = np.flatnonzero(down & cuts.feeds)
+    off = _off(cuts, drills, holes)
     bottoms = sheet.thickness - holes.depths
     through = bottoms <= tol.machined
     # through-holes need the full diameter below the sheet; others are as deep as the point goes
@@ -44,13 +43,15 @@ def verify_holes(
     too_high = cuts.ends[drills, 2, None] + points - np.where(through, 0.0, bottoms)
     deep_enough = np.where(through, too_high, np.abs(too_high)) <= tol.machined
     fits = np.abs(cuts.diameters[drills, None] - holes.diameters) <= tol.machined
-    placed = off <= tol.machined
-    good = placed & deep_enough & fits
-    # a hole may be bored in several goes, none of them wider or deeper than the last
-    harmless = placed & (cuts.diameters[drills, None] <= holes.diameters + tol.machined)
-    harmless &= through | (too_high >= -tol.machined)
-    for drill, hole in np.argwhere(harmless):
-        makes[drills[drill], holes.owners[hole]] = True
+    good = (off <= tol.machined) & deep_enough & fits
+    # a hole may be bored in several goes, none of them wider or deeper than the last; between them
+    # the drill comes back by rapid motions, which have rules of their own for how deep
+    entries = np.flatnonzero(down)
+    narrow = cuts.diameters[entries, None] <= holes.diameters + tol.machined
+    shallow = through | (cuts.ends[entries, 2, None] - bottoms >= -tol.machined)
+    harmless = (_off(cuts, entries, holes) <= tol.machined) & narrow & shallow
+    for entry, hole in np.argwhere(harmless):
+        makes[entries[entry], holes.owners[hole]] = True
     faults = [
         _missing(program, cuts, sheet, drills, off, hole, tol)
         for hole in np.flatnonzero(~good.any(axis=0)).tolist()
@@ -58,6 +59,12 @@ def verify_holes(
     faults += _wrong_kinds(program, cuts, drills[good.any(axis=1)], tools)
     measured = {"hole": float(off[good].max(initial=0.0))}
     return Finding(tuple(faults), makes, measured)
+
+
+def _off(cuts: Cuts, motions: IntArray, holes: Holes) -> FloatArray:
+    """Return how far (k,) motions end from (h,) holes, seen from above, mm."""
+    offsets = cuts.ends[motions, None, :2] - holes.points
+    return np.asarray(np.hypot(offsets[..., 0], offsets[..., 1]))
 
 
 def _missing(
