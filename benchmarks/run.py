@@ -37,7 +37,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description="Measure ifs_cad side by side with its peers.",
     )
-    parser.add_argument("--only", default="abcdefghijl", metavar="LETTERS", help="from a to l")
+    parser.add_argument("--only", default="abcdefghijkl", metavar="LETTERS", help="from a to l")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
     parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
     parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
@@ -89,6 +89,10 @@ def measured(letters: set[str], quick: bool) -> Iterator[Line]:
         import workshop
 
         yield from workshop.measure_folder()
+    if "k" in letters:
+        import machine_code
+
+        yield from machine_code.measure(1 if quick else 3)
     if "l" in letters:
         import structure
 

@@ -17,7 +17,6 @@ from ifs_cad.fabrication.nesting.envelope import clearance_reach
 from ifs_cad.fabrication.nesting.nest import nest
 from ifs_cad.fabrication.stock import Sheet, read_stock
 from ifs_cad.fabrication.workpiece import Workpiece
-from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.kernel.source import run_script
 
 PROTOTYPE = Path(__file__).parent.parent / "parts" / "shell_prototype.py"
@@ -67,7 +66,7 @@ def measure_nesting(quick: bool) -> list[Line]:
 def measure_folder() -> list[Line]:
     """Make the folder of the prototype."""
     with TemporaryDirectory() as folder:
-        done = ifs.fabricate(PROTOTYPE, out=folder, workshop=Workshop())
+        done = ifs.fabricate(PROTOTYPE, out=folder)
     stages = dict(done.stages)
     rest = sum(seconds for what, seconds in stages.items() if what != "solids (STEP)")
     listing = ", ".join(f"{what} {seconds:.1f}" for what, seconds in stages.items())

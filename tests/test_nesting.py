@@ -356,3 +356,17 @@ def test_thorough_random_pieces_lie_apart(
     judge(layout, pieces)
     if grain:
         assert all(min(off_fibre(layout, p), 180.0 - off_fibre(layout, p)) < 4.001 for p in pieces)
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([1e-8, 1e-7, 1e-6, 1e-4]))
+@settings(max_examples=12, deadline=None)
+def test_pieces_with_edges_almost_square_to_the_sheet_never_slide_through_each_other(seed, skew):
+    """A rounded contact along such an edge must not count as lying deep inside the neighbour."""
+    random = np.random.default_rng(seed)
+    pieces = []
+    for number in range(45):
+        length, width = random.uniform(150.0, 420.0, 2)
+        corners = np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]])
+        corners += np.array([length, width]) * random.uniform(-skew, skew, (4, 2))
+        pieces.append(Piece(f"{number:02}", corners, X))
+    judge(nest(pieces, [SHEET], spacing=11.344, margin=10.0), pieces)

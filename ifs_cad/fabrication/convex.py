@@ -31,8 +31,9 @@ COMPASS = np.array(
 OPPOSITE = np.arange(-4, 4)
 """Where the opposite points stand in `COMPASS`."""
 
-STEEPEST = 1e-7
-"""A half-plane whose normal has a smaller part than this along a line does not bound the line."""
+STEEPEST = 1e-14
+"""A half-plane whose normal has a smaller part than this along a line does not bound the line: over
+the length of a sheet the two part by less than rounding."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -246,13 +246,19 @@ def settled(
         Where this corner lies at first, with no polygon nearer than `spacing`, mm.
     """
     corner = corner.copy()
+    slack = tol.coincident / 4.0
     normals, levels = forbidden(stacked(placed), polygon, spacing)
     for _ in range(SLIDES):
         before = corner.copy()
         for axis in (1, 0):
-            start, end = blocked(normals, levels, corner[1 - axis : 2 - axis], axis, tol=tol)
-            behind = (start < end) & (end <= corner[axis] + tol.coincident / 2.0)
-            corner[axis] = min(corner[axis], np.where(behind, end, 0.0).max(initial=0.0))
+            # less by what a rounded contact may intrude: along an edge that is almost level with
+            # the way, that little would seem to lie deep inside
+            line = corner[1 - axis : 2 - axis]
+            start, end = blocked(normals, levels - slack, line, axis, tol=tol)
+            # whatever begins behind the piece stops it, here at the latest
+            behind = (start < end) & (start < corner[axis])
+            stops = np.where(behind, np.minimum(end, corner[axis]), 0.0)
+            corner[axis] = min(corner[axis], stops.max(initial=0.0))
         if (before == corner).all():
             break
     return corner
