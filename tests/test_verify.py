@@ -19,6 +19,8 @@ from broken_programs import (
     sheet,
     tools,
 )
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from ifs_cad.errors import AddressError, InputError
 from ifs_cad.fabrication.layout import Layout
@@ -121,6 +123,32 @@ def test_cylinder_beside_a_box_enters_by_what_its_radius_exceeds():
     assert deep((5, -20, 10), (5, 30, 10), up, 40.0) == []
     lean = (math.sin(0.3), 0.0, math.cos(0.3))
     assert len(deep((5, -20, 10), (5, 30, 10), lean, 10.0)) == 1
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([2e-3, 0.01, 0.5]))
+@settings(max_examples=60, deadline=None)
+def test_cylinder_that_almost_touches_a_long_solid_does_not_enter_it(seed, gap):
+    random = np.random.default_rng(seed)
+    corners = random.normal(size=(7, 3)) * [600.0, 40.0, 6.0]
+    axis, towards = random.normal(size=(2, 3)) * [0.4, 0.4, 1.0]
+    axis /= np.linalg.norm(axis)
+    towards /= np.linalg.norm(towards)
+    start, end = random.normal(size=(2, 3)) * 200.0
+    sweep = Sweeps(
+        start[None], end[None], axis[None], np.zeros(1), np.full(1, 42.0), np.full(1, 3.0)
+    )
+    # moved until its lowest point along one direction lies a gap above the solid's highest
+    move = (corners @ towards).max() + gap - sweep.reach(towards[None])[0]
+    apart = replace(sweep, starts=sweep.starts + move * towards, ends=sweep.ends + move * towards)
+    solid = Solids(corners[None], towards[None, None])
+    # no face of the solid is told, so that the direction has to be found
+    blind = Solids(corners[None], np.array([[[1.0, 0.0, 0.0]]]))
+    for one in (solid, blind):
+        assert len(depths(apart, one, 1e-3)[0]) == 0
+    # its end in the middle of the solid it does enter
+    there = corners.mean(axis=0) - start
+    within = replace(sweep, starts=sweep.starts + there, ends=sweep.ends + there)
+    assert len(depths(within, blind, 1e-3)[0]) == 1
 
 
 @pytest.fixture

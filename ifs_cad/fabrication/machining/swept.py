@@ -11,7 +11,8 @@ reach : how far a body extends against a direction, from the origin.
 gap : along a direction, what lies between a solid and a sweep; negative where they overlap.
 
 Source: Gilbert, An iterative procedure for computing the minimum of a quadratic form on a convex
-set, 1966, for the few pairs whose gap shows along none of the directions tried first.
+set, 1966, for the few pairs whose gap shows along none of the directions tried first. It comes
+close slowly where bodies almost touch; a linear program decides those that are left.
 """
 
 from __future__ import annotations
@@ -20,12 +21,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
+from scipy.optimize import linprog
 
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length
 
-GILBERT_STEPS = 300
-"""Steps after which two bodies that could not be parted count as overlapping."""
+GILBERT_STEPS = 100
+"""Steps after which it is left to a linear program whether two bodies can be parted."""
+
+CORNERS = 256
+"""Of the polygon that stands around a cutter there: for 20 mm it is less than a micrometre off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,4 +213,32 @@ def _parted(sweeps: Sweeps, corners: FloatArray, slack: float) -> BoolArray:
         squares = dot(steps, steps)
         shares = np.clip(-dot(vectors, steps) / np.where(squares > 0.0, squares, 1.0), 0.0, 1.0)
         vectors = vectors + shares[:, None] * steps
+    for pair in np.flatnonzero(~parted).tolist():
+        parted[pair] = _plane_between(sweeps[np.array([pair])], corners[pair], slack)
     return parted
+
+
+def _plane_between(sweep: Sweeps, corners: FloatArray, slack: float) -> bool:
+    """Tell whether a plane lies between (v, 3) corners and one sweep that is thinner by the slack.
+
+    A direction d and a level t are looked for with d . corner <= t - gap and d . point >= t + gap
+    for all corners of both bodies, no part of d larger than 1, and the largest gap.
+    """
+    (axis,) = sweep.axes
+    across = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    turns = np.arange(CORNERS) * (2.0 * np.pi / CORNERS)
+    ring = np.outer(np.cos(turns), across) + np.outer(np.sin(turns), cross(axis, across))
+    ring *= (sweep.radii[0] - slack) / np.cos(np.pi / CORNERS)
+    heights = np.array([sweep.bottoms[0] + slack, sweep.tops[0]])
+    tips = np.concatenate([sweep.starts, sweep.ends])
+    points = (tips[:, None, None] + heights[:, None, None] * axis + ring).reshape(-1, 3)
+    origin = corners.mean(axis=0)
+    bodies = np.concatenate(
+        [corners - origin, origin - points]
+    )  # of the sweep with the sign turned
+    sides = np.concatenate([-np.ones(len(corners)), np.ones(len(points))])
+    rows = np.column_stack([bodies, sides, np.ones(len(bodies))])
+    bounds = [(-1.0, 1.0)] * 3 + [(None, None), (0.0, None)]
+    found = linprog([0.0, 0.0, 0.0, 0.0, -1.0], rows, np.zeros(len(rows)), bounds=bounds)
+    return bool(found.status == 0 and -found.fun > slack / 10.0)
