@@ -18,7 +18,6 @@ from ifs_cad.elements.material import Stiffness
 from ifs_cad.elements.panel import Shell
 from ifs_cad.errors import InputError, InstabilityError
 from ifs_cad.progress import report
-from ifs_cad.structure.analyse import reactions
 from ifs_cad.structure.corotation import (
     Corotation,
     State,
@@ -31,6 +30,7 @@ from ifs_cad.structure.model import DIVISIONS, Joints, Model, model_of
 from ifs_cad.structure.result import Result
 from ifs_cad.structure.section import resultants
 from ifs_cad.structure.solve import Factors, factor
+from ifs_cad.structure.solver import reactions
 from ifs_cad.structure.support import Supports
 from ifs_cad.types import FloatArray
 

@@ -11,10 +11,11 @@ from structures import SLENDER, TIMBER, cylinder, mesh_shell, shell_of, strip
 
 import ifs_cad as ifs
 from ifs_cad.errors import MechanismError
-from ifs_cad.structure.analyse import Solver, analyse
+from ifs_cad.structure.analyse import analyse
 from ifs_cad.structure.load import AreaLoad, PointLoad, SelfWeight
 from ifs_cad.structure.model import model_of
 from ifs_cad.structure.solve import Factors
+from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Support
 
 ENDS = Support.border("a start", "a end")

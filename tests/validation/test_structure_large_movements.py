@@ -10,12 +10,12 @@ import pytest
 from structures import SLENDER, TIMBER, shell_of, strip
 
 from ifs_cad.errors import InstabilityError
-from ifs_cad.structure.analyse import Solver
 from ifs_cad.structure.corotation import corotation_of, rotation_matrices, rotation_vectors
 from ifs_cad.structure.kratos import shell_stiffness
 from ifs_cad.structure.load import PointLoad
 from ifs_cad.structure.model import model_of
 from ifs_cad.structure.nonlinear import analyse_nonlinear, deform
+from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Support
 
 LENGTH, WIDTH = 1000.0, 100.0
