@@ -251,7 +251,8 @@ def analyse(
     supports: Annotated[
         list[str] | None,
         typer.Option(
-            help="standing, borders, or borders by name: 'a start, a end'. Can be repeated."
+            metavar="BORDERS",
+            help="standing, borders, or borders by name: 'a start, a end'. Can be repeated.",
         ),
     ] = None,
     joints: Annotated[
