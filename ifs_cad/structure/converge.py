@@ -29,12 +29,13 @@ def converged(
     *,
     close: float = MESH_ERROR,
     finest: int = FINEST,
+    largest: int = LARGEST,
     **options: Any,
 ) -> Result:
     """Return the linear answer on a mesh that is fine enough, and how far it is off.
 
     Starts with half of `DIVISIONS` and with `DIVISIONS`; goes on until the estimated error of the
-    largest displacement is small, or the next mesh would exceed `finest` or `LARGEST`.
+    largest displacement is small, or the next mesh would exceed `finest` or `largest`.
 
     Parameters
     ----------
@@ -42,6 +43,7 @@ def converged(
     loads : a load, or several to be added
     close : float, error of the largest displacement that is good enough, as a share of it
     finest : int, most quads along each edge of a panel
+    largest : int, most degrees of freedom of a mesh finer than `DIVISIONS`
     **options
         As for `model_of`, without `divisions`.
 
@@ -61,6 +63,6 @@ def converged(
         error = abs(change) / (factor - 1) / fine.largest_displacement.value
         divisions *= 2
         # points and nodes of the finer mesh grow no faster than its quads
-        if error <= close or divisions > finest or 4 * fine.model.size > LARGEST:
+        if error <= close or divisions > finest or 4 * fine.model.size > largest:
             return replace(fine, mesh_error=error)
         coarse, former = fine, change

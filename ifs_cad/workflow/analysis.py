@@ -16,14 +16,16 @@ from ifs_cad.export.deck import export_calculix
 from ifs_cad.export.vtu import export_vtu
 from ifs_cad.fabrication.table import Cell, Table
 from ifs_cad.structure.analysis import KEY, Analysis
-from ifs_cad.structure.converge import FINEST, converged
-from ifs_cad.structure.model import DIVISIONS, model_of
+from ifs_cad.structure.converge import LARGEST, converged
+from ifs_cad.structure.model import model_of
 from ifs_cad.structure.modes import modes_of
 from ifs_cad.structure.nonlinear import deform
 from ifs_cad.structure.result import Result
 from ifs_cad.structure.solver import Solver
 from ifs_cad.view.deformed import render_deformed
 from ifs_cad.workflow.question import Question, answer_to
+
+LARGEST_DEFORMED = 50_000  # degrees of freedom; equilibrium is sought some twenty times
 
 
 def shells_of(assemblies: Sequence[Any]) -> dict[str, Shell]:
@@ -104,8 +106,8 @@ def _analyse(
         model = model_of(shell, divisions=question.divisions, **held)
         result = None if question.nonlinear else Solver(model)(loads)
     else:
-        finest = DIVISIONS if question.nonlinear else FINEST
-        result = converged(shell, loads, finest=finest, **held)
+        largest = LARGEST_DEFORMED if question.nonlinear else LARGEST
+        result = converged(shell, loads, largest=largest, **held)
         model = result.model
     if question.nonlinear:
         error = None if result is None else result.mesh_error

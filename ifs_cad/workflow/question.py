@@ -36,7 +36,7 @@ class Question:
     joints : str, optional
         "hinge" (the default), "rigid" or a stiffness, N mm/rad per mm of edge.
     divisions : int, optional, quads along each edge of a panel
-        By default as many as keep the estimated error small; 4 in the deformed shape.
+        By default as many as keep the estimated error of the linear answer small.
     nonlinear : bool
         Find equilibrium in the deformed shape.
     modes : int
