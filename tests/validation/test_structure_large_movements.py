@@ -85,7 +85,8 @@ def test_low_arch_snaps_through_at_the_load_of_von_mises():
     reached = 1.25 * caught.value.values["load_share"]
     assert reached == pytest.approx(1, abs=0.01)
     sag = np.interp(reached * loads[-1], loads, sags)
-    assert caught.value.values["deflection"] == pytest.approx(sag, rel=1e-3)
+    # where loads are all but level, a load 1e-4 too high is a sag 1e-3 too large
+    assert caught.value.values["deflection"] == pytest.approx(sag, rel=5e-3)
 
 
 def test_straight_strut_buckles_at_the_load_of_euler():
