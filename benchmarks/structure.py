@@ -57,11 +57,11 @@ def _shell(depth: int) -> object:
 
 def _main(depth: int) -> None:
     from ifs_cad.elements.material import Stiffness
-    from ifs_cad.structure.analyse import Solver
     from ifs_cad.structure.kratos import load_kratos
     from ifs_cad.structure.load import AreaLoad, total_forces
     from ifs_cad.structure.model import model_of
     from ifs_cad.structure.solve import factor
+    from ifs_cad.structure.solver import Solver
     from ifs_cad.structure.support import Support
 
     load_kratos()

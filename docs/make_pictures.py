@@ -8,12 +8,14 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 from runpy import run_path
+from tempfile import TemporaryDirectory
 
 import cadquery as cq
 import matplotlib as mpl
 import numpy as np
 
 import ifs_cad as ifs
+from ifs_cad.workflow.analysis import asked
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
@@ -93,6 +95,25 @@ def prototype() -> None:
     ifs.render(foot, PICTURES / "addresses.png", width=1200, azimuth=20, elevation=-25)
 
 
+def deformed() -> None:
+    """Draw the three shells of figure 22 under their load, side by side."""
+    figure, axes = plt.subplots(1, 3, figsize=(16, 3.6), layout="constrained")
+    with TemporaryDirectory() as folder:
+        for axis, (name, (shell, asked_for)) in zip(
+            axes, asked([shown("figure_22")]).items(), strict=True
+        ):
+            path = Path(folder) / f"{name}.png"
+            result = ifs.analyse(
+                shell, loads=asked_for.loads, supports=asked_for.supports, divisions=4
+            )
+            ifs.render_deformed(result, path, width=1000, height=620)
+            axis.imshow(plt.imread(path))
+            axis.set_title(f"{name.replace('_', ' ')}: {result.deflection.value:.3g} mm")
+            axis.axis("off")
+    figure.savefig(PICTURES / "figure_22_deformed.png", dpi=90)
+    plt.close(figure)
+
+
 def gallery() -> None:
     """Draw every part, and write the page that shows them."""
     page = ["# Gallery", "", "Every picture is one script in `parts/`, drawn by `ifs.render`.", ""]
@@ -122,6 +143,6 @@ def shown(name: str) -> cq.Assembly:
 if __name__ == "__main__":
     for folder in (PICTURES, GALLERY):
         folder.mkdir(exist_ok=True)
-    for make in (curves, node, prototype, gallery):
+    for make in (curves, node, prototype, deformed, gallery):
         make()
         print(f"{make.__name__}: done")

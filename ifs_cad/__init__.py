@@ -73,13 +73,14 @@ if TYPE_CHECKING:
     from ifs_cad.kernel.instance import place_germ
     from ifs_cad.kernel.panels import to_solid
     from ifs_cad.structure.analyse import analyse
+    from ifs_cad.structure.analysis import Analysis
     from ifs_cad.structure.load import AreaLoad, PointLoad, SelfWeight
     from ifs_cad.structure.modes import natural_frequencies
     from ifs_cad.structure.nonlinear import analyse_nonlinear
     from ifs_cad.structure.support import Support
     from ifs_cad.tolerance import Tolerance
     from ifs_cad.types import Plane
-    from ifs_cad.view.deformed import render_deformed
+    from ifs_cad.view.deformed import deformed_assembly, render_deformed
     from ifs_cad.view.preview import show, show_object
     from ifs_cad.view.render import render
     from ifs_cad.workflow.check import check_step
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Analysis",
     "AreaLoad",
     "Board",
     "ConstraintReport",
@@ -142,6 +144,7 @@ __all__ = [
     "conic",
     "cut_boards",
     "cut_list",
+    "deformed_assembly",
     "dome",
     "ellipse",
     "export_board_drawings",
@@ -196,6 +199,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "Analysis": "structure.analysis",
     "AreaLoad": "structure.load",
     "Board": "fabrication.stock",
     "ConstraintReport": "design.constraint",
@@ -250,6 +254,7 @@ _HOMES = {
     "conic": "design.conic",
     "cut_boards": "fabrication.boards.cutting_plan",
     "cut_list": "fabrication.cutlist",
+    "deformed_assembly": "view.deformed",
     "dome": "design.dome",
     "ellipse": "design.conic",
     "export_board_drawings": "export.drawing",

@@ -64,6 +64,16 @@ def _setting(text: str) -> tuple[str, str]:
     return name.strip(), value
 
 
+def _force(text: str) -> tuple[str, float]:
+    address, equals, size = text.partition("=")
+    try:
+        return address.strip(), float(size if equals and address.strip() else "none")
+    except ValueError:
+        raise typer.BadParameter(
+            f"give an address and newtons, as 0211=500, not {text!r}"
+        ) from None
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
@@ -283,16 +293,47 @@ def analyse(
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder of all exports.")] = Path(
         "exports"
     ),
-    load: Annotated[float, typer.Option(help="N/m2 of the ground plan.")] = 1500.0,
+    load: Annotated[
+        float | None, typer.Option(help="N/m2 of the ground plan (snow).", show_default=False)
+    ] = None,
+    surface_load: Annotated[
+        float | None, typer.Option(help="N/m2 of the panels (cladding).", show_default=False)
+    ] = None,
     half: Annotated[bool, typer.Option("--half", help="Load one half of the span only.")] = False,
+    part: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PATTERN", help="Load these panels only, as 03*. Can be repeated."),
+    ] = None,
+    point: Annotated[
+        list[Any] | None,
+        typer.Option(
+            parser=_force,
+            metavar="ADDRESS=N",
+            help="A force down in the middle of a panel. Can be repeated.",
+        ),
+    ] = None,
     weight: Annotated[bool, typer.Option("--weight", help="Add the weight of the panels.")] = False,
     supports: Annotated[
-        str, typer.Option(help="standing, borders, or borders by name: 'a start, a end'.")
-    ] = "standing",
+        list[str] | None,
+        typer.Option(
+            metavar="BORDERS",
+            help="standing, borders, or borders by name: 'a start, a end'. Can be repeated.",
+        ),
+    ] = None,
     joints: Annotated[
-        str, typer.Option(help="hinge, rigid, or a stiffness in N mm/rad per mm of edge.")
-    ] = "hinge",
-    divisions: Annotated[int, typer.Option(help="Quads along each edge of a panel.")] = 4,
+        str | None,
+        typer.Option(
+            help="hinge, rigid, or a stiffness in N mm/rad per mm of edge.", show_default=False
+        ),
+    ] = None,
+    divisions: Annotated[
+        int | None,
+        typer.Option(
+            help="Quads along each edge of a panel; by default refined until the displacement is "
+            "known to 2 %.",
+            show_default=False,
+        ),
+    ] = None,
     nonlinear: Annotated[
         bool, typer.Option("--nonlinear", help="Find equilibrium in the deformed shape.")
     ] = False,
@@ -301,14 +342,29 @@ def analyse(
 ) -> None:
     """Compute how the shells that a part script shows carry a load.
 
+    Loads, supports and joints are those that the script gives (ifs.Analysis), or 1500 N/m2 of the
+    ground plan on hinged panels standing on their lowest edges; every option replaces its part.
+
     Writes the mesh with all results (VTU), an input deck for CalculiX and a picture of the
     deformed shell into the folder analysis of the part, and a comparison of several shells.
     """
-    from ifs_cad.workflow.analyse import Question
     from ifs_cad.workflow.analyse import analyse as run_analyse
     from ifs_cad.workflow.display import display
+    from ifs_cad.workflow.question import Question
 
-    question = Question(load, half, weight, supports, joints, divisions, nonlinear, modes)
+    question = Question(
+        load=load,
+        surface_load=surface_load,
+        half=half,
+        part=tuple(part or ()),
+        points=tuple(point or ()),
+        weight=weight,
+        supports=tuple(supports or ()),
+        joints=joints,
+        divisions=divisions,
+        nonlinear=nonlinear,
+        modes=modes,
+    )
     with display(quiet) as listener:
         result = run_analyse(
             script, settings=dict(settings or ()), out=out, question=question, listener=listener

@@ -9,21 +9,26 @@ import re
 import sys
 import xml.etree.ElementTree as ET
 
+import cadquery as cq
 import numpy as np
 import pytest
-from structures import TIMBER, shell_of
+from structures import TIMBER, mesh_shell, shell_of
 from typer.testing import CliRunner
 
 import ifs_cad as ifs
 from ifs_cad.cli import app
-from ifs_cad.errors import InputError
+from ifs_cad.errors import InputError, ScriptError
 from ifs_cad.export.chart import comparison, export_chart
 from ifs_cad.export.vtu import export_vtu
 from ifs_cad.structure.analyse import analyse
-from ifs_cad.structure.load import AreaLoad
+from ifs_cad.structure.analysis import Analysis
+from ifs_cad.structure.load import AreaLoad, SelfWeight, total_forces
+from ifs_cad.structure.model import model_of
 from ifs_cad.structure.section import RESULTANTS
 from ifs_cad.structure.support import Support
-from ifs_cad.workflow.analysis import read_supports_text
+from ifs_cad.view.deformed import deformed_assembly
+from ifs_cad.workflow.analysis import asked
+from ifs_cad.workflow.question import Question, answer_to, read_supports_text
 
 TYPES = {"Float64": np.float64, "Int64": np.int64, "Int32": np.int32, "UInt8": np.uint8}
 
@@ -123,10 +128,74 @@ def test_nothing_to_compare_is_an_error(tmp_path):
 
 
 def test_supports_are_read_from_words():
-    names = [one.name for one in read_supports_text("standing, a start,0, borders")]
+    names = [one.name for one in read_supports_text(["standing, a start", "0, borders"])]
     assert names == ["standing", "border a start", "border 0", "all borders"]
-    with pytest.raises(InputError, match="Unknown support 'floor'"):
-        read_supports_text("floor")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"supports": ["floor"]}, "Unknown support 'floor'"),
+        ({"joints": "glue"}, "not 'glue'"),
+        ({"load": -1.0}, "0 or more"),
+        ({"surface_load": np.inf}, "0 or more"),
+        ({"half": True, "part": ["0*"]}, "not both"),
+    ],
+)
+def test_question_that_cannot_be_meant_is_refused_before_anything_runs(words, said):
+    with pytest.raises(InputError, match=said):
+        Question(**words)
+
+
+SHELL = shell_of([(0, 0, 0), (300, 0, 0), (600, 0, 0)], [(0, 0, 0), (0, 200, 0)], 12.0)
+OWN = Analysis([AreaLoad(pressure=700)], Support.border("a start"), "rigid")
+
+
+@pytest.mark.parametrize(
+    ("words", "force"),
+    [
+        ({}, 700 * 0.12),
+        ({"weight": True}, 700 * 0.12 + 0.12 * 0.012 * 450 * 9.81),
+        ({"load": 1000.0}, 1000 * 0.12),
+        ({"load": 1000.0, "surface_load": 200.0}, 1200 * 0.12),
+        ({"half": True}, 1500 * 0.06),
+        ({"part": [SHELL.addresses[0]], "load": 900.0}, 900 * 0.06),
+        ({"points": [(SHELL.addresses[1], 50.0), (SHELL.addresses[0], 7.0)]}, 57.0),
+        ({"points": [(SHELL.addresses[1], 50.0)], "load": 100.0}, 50 + 100 * 0.12),
+    ],
+)
+def test_question_replaces_loads_and_adds_weight(words, force):
+    """Newtons downwards on 600 x 200 mm of plan, 12 mm thick, 450 kg/m3."""
+    asked_for = answer_to(SHELL, OWN, Question(**words))
+    model = model_of(SHELL, supports=asked_for.supports, divisions=2, stiffness=TIMBER)
+    total = total_forces(asked_for.loads, model.grid, model.surface_weight).sum(axis=0)
+    np.testing.assert_allclose(total, (0, 0, -force), rtol=1e-9, atol=1e-9)
+    assert asked_for.joints == "rigid"
+    assert [one.name for one in asked_for.supports] == ["border a start"]
+
+
+def test_question_replaces_supports_and_joints():
+    asked_for = answer_to(SHELL, OWN, Question(supports=("b end", "0"), joints="250"))
+    assert [one.name for one in asked_for.supports] == ["border b end", "border 0"]
+    assert asked_for.joints == 250.0
+    with pytest.raises(InputError, match="Nothing is loaded"):
+        answer_to(SHELL, OWN, Question(load=0.0))
+
+
+def test_part_tells_its_own_analysis_and_the_nearest_counts():
+    other = Analysis(SelfWeight())
+    inner = cq.Assembly(name="inner", metadata={"elements": SHELL, "analysis": other})
+    whole = cq.Assembly(name="whole", metadata={"analysis": OWN})
+    whole.add(inner, name="inner")
+    whole.add(cq.Assembly(name="outer", metadata={"elements": SHELL}), name="outer")
+    found = asked([whole])
+    assert found["inner"] == (SHELL, other)
+    assert found["outer"] == (SHELL, OWN)
+    whole.metadata["analysis"] = "snow"
+    with pytest.raises(ScriptError, match="must hold an Analysis"):
+        asked([whole])
+    with pytest.raises(InputError, match="needs loads"):
+        Analysis([])
 
 
 @draws
@@ -137,7 +206,8 @@ def test_command_writes_tables_pictures_meshes_and_decks(tmp_path):
     folder.mkdir(parents=True)
     (folder / "old_result.vtu").write_text("former")
     (folder / "notes.md").write_text("mine")
-    options = ("--half", "--supports", "a start, a end", "--modes", "2", "-o", tmp_path / "out")
+    held = ("--supports", "a start", "--supports", "a end", "--divisions", "2")
+    options = ("--half", *held, "--modes", "2", "-o", tmp_path / "out")
     done = command(script, *options)
     assert done.exit_code == 0, done.stderr
     kinds = ("deck.inp", "deformed.png", "result.vtu")
@@ -158,21 +228,19 @@ def test_command_writes_tables_pictures_meshes_and_decks(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "code", "said"),
     [
-        (["--joints", "glue"], "not 'glue'"),
-        (["--set", "fold=0"], "without resistance"),
-        (["--load", "0"], "Nothing is loaded"),
-        (["--supports", "walls"], "Unknown support 'walls'"),
+        (["--joints", "glue"], 1, "not 'glue'"),
+        (["--supports", "a start", "--supports", "walls"], 1, "Unknown support 'walls'"),
+        (["--point", "0211"], 2, "as 0211=500"),
+        (["--set", "fold=0", "--supports", "a start, a end"], 1, "without resistance"),
     ],
 )
-def test_wrong_questions_are_answered_by_a_sentence(options, said, tmp_path):
+def test_wrong_questions_are_answered_by_a_sentence(options, code, said, tmp_path):
     script = tmp_path / "both.py"
     script.write_text(SCRIPT)
-    if "--supports" not in options:
-        options = [*options, "--supports", "a start, a end"]
     done = command(script, *options, "-o", tmp_path / "out", "-q")
-    assert done.exit_code == 1
+    assert done.exit_code == code
     assert re.search(said, done.stderr)
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out" / "both").exists()
@@ -184,3 +252,42 @@ def test_script_without_shells_is_refused(tmp_path):
     done = command(script, "-o", tmp_path / "out", "-q")
     assert done.exit_code == 1
     assert "Only shells of panels are analysed" in done.stderr
+
+
+@pytest.mark.parametrize("by", ["deflection", "utilisation"])
+def test_deformed_shell_for_the_viewer_goes_through_the_moved_nodes(result, by):
+    assembly = deformed_assembly(result, by=by, scale=10.0)
+    model, points = result.model, result.deformed(10.0)
+    values = {"deflection": result.deflections, "utilisation": result.utilisation}[by]
+    assert [child.name for child in assembly.children] == list(model.shell.addresses)
+    for panel, child in enumerate(assembly.children):
+        assert child.metadata[by] == values[panel]
+        assert child.obj.isValid()
+        own = np.flatnonzero(model.grid.face_of_node == panel)
+        away = [child.obj.distance(cq.Vertex.makeVertex(*at)) for at in points[own[::3]].tolist()]
+        assert max(away) <= 1e-6
+    colours = [child.color.toTuple()[:3] for child in assembly.children]
+    np.testing.assert_allclose(
+        colours[int(values.argmax())], (253 / 255, 231 / 255, 37 / 255), 1e-2
+    )
+    assert f"up to {values.max():.4g}" in assembly.name
+
+
+def test_panels_of_other_shapes_are_deformed_too():
+    """A hexagon has a curved face for each of its corners."""
+    angle = np.radians(60 * np.arange(6))
+    ring = np.column_stack([400 * np.cos(angle), 400 * np.sin(angle), 0 * angle])
+    plate = mesh_shell(ring.tolist(), [tuple(range(6))], 10.0)
+    sag = analyse(
+        plate, loads=SelfWeight(), supports=Support.border(), divisions=4, stiffness=TIMBER
+    )
+    (child,) = deformed_assembly(sag, scale=1.0).children
+    assert len(child.obj.Faces()) == 6
+    assert child.obj.Area() == pytest.approx(3 * np.sqrt(3) / 2 * 400**2, rel=1e-4)
+    with pytest.raises(InputError, match='"deflection" or "utilisation"'):
+        deformed_assembly(sag, by="colour")
+    felt = ifs.Material("felt", 100.0, (1, 1, 1), stiffness=TIMBER)
+    bare = ifs.thicken(plate.mesh, 10.0, material=felt)
+    sag = analyse(bare, loads=SelfWeight(), supports=Support.border(), divisions=2)
+    with pytest.raises(InputError, match="strength of felt is not known"):
+        deformed_assembly(sag, by="utilisation")

@@ -34,7 +34,7 @@ PINNED = {
     "figure_13_weights_on_surfaces": (4, 10288.7),
     "figure_17_offset_mesh": (17, 131.40),
     "figure_18_thickened_surface": (256, 232.69),
-    "figure_22": (512, 2298.88),
+    "figure_22": (768, 3429.31),
     "meander_vault": (528, 261.99),
     "shell_prototype": (256, 109.22),
     "wire_frame": (108, 93.07),

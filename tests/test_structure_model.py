@@ -188,6 +188,17 @@ def test_load_on_a_part_is_the_share_of_that_part():
     assert moment == pytest.approx(whole / 2 * 150, rel=1e-12)
 
 
+def test_point_load_at_an_address_acts_in_the_middle_of_that_panel():
+    shell = strip(400, 200, 10, panels=4)
+    grid = divide(shell.mesh, 4)
+    forces = PointLoad(force=(0, 1, -7), at=shell.addresses[2]).forces(grid, 0.0)
+    (node,) = np.flatnonzero(forces.any(axis=1))
+    np.testing.assert_allclose(grid.nodes[node], (250, 100, 0), atol=1e-9)
+    np.testing.assert_array_equal(forces[node], (0, 1, -7))
+    with pytest.raises(AddressError, match="'99'"):
+        PointLoad(force=(0, 0, -1), at="99").forces(grid, 0.0)
+
+
 def test_loads_add_up_with_their_factors():
     grid = divide(strip(400, 200, 10).mesh, 2)
     loads = [1.35 * SelfWeight(), 1.5 * AreaLoad(pressure=1000) * 2, PointLoad(force=(7, 0, 0))]

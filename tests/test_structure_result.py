@@ -1,6 +1,7 @@
 """What the structure check answers, and how it says so."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,17 +14,20 @@ from ifs_cad.elements.material import Material, Stiffness, Strength
 from ifs_cad.errors import InputError, MechanismError, MissingLibraryError
 from ifs_cad.progress import listening
 from ifs_cad.structure import kratos
-from ifs_cad.structure.analyse import Solver, analyse
+from ifs_cad.structure.analyse import analyse
+from ifs_cad.structure.converge import converged
 from ifs_cad.structure.load import AreaLoad, PointLoad, SelfWeight
 from ifs_cad.structure.model import model_of
 from ifs_cad.structure.modes import natural_frequencies
+from ifs_cad.structure.result import MESH_ERROR
 from ifs_cad.structure.section import utilisation
+from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Support
 
 STRENGTH = Strength(20, 10, 12, 6, 16, 8, 4, 2, 1)
 
 
-def arch(joints="hinge", **options):
+def arch(joints="hinge", divisions=4, **options):
     """A folded arch on pinned ends under its weight and snow on one half."""
     curve = ifs.Curve([(0, 0, 0), (1500, 0, 1200), (3000, 0, 0)], depth=2)
     fold = [(0, 0, 0), (0, 300, 80), (0, 600, 0)]
@@ -33,6 +37,7 @@ def arch(joints="hinge", **options):
         supports=[Support.border("a start"), Support.border("a end")],
         joints=joints,
         stiffness=TIMBER,
+        divisions=divisions,
         **options,
     )
 
@@ -67,24 +72,57 @@ def test_table_names_the_numbers():
     assert "8 panels of 4 x 4 quads" in text
     assert f"{result.deflection.value:.2f} mm in {result.deflection.address}" in text
     assert "reaction border a start" in text
-    assert f"{result.utilisation.value:.2f} in {result.utilisation.address}" in text
+    assert f"{result.largest_utilisation.value:.2f} in {result.largest_utilisation.address}" in text
 
 
 def test_panels_use_what_their_worst_quad_uses():
     result = arch()
-    panels = result.panel_utilisation
+    panels = result.utilisation
     assert panels.shape == (len(result.model.shell),)
-    assert panels.max() == result.quad_utilisation.max() == result.utilisation.value
+    assert panels.max() == result.quad_utilisation.max() == result.largest_utilisation.value
     face = result.model.grid.face_of_quad == 3
     assert panels[3] == result.quad_utilisation[face].max()
+
+
+def test_panels_move_as_their_worst_node_does():
+    result = arch()
+    own = result.model.grid.face_of_node == 5
+    assert result.deflections.shape == (len(result.model.shell),)
+    assert result.deflections[5] == np.abs(result.displacements[own, 2]).max()
+    assert np.nanmax(result.deflections) == result.deflection.value
+
+
+def test_mesh_is_refined_until_its_error_is_small():
+    """What the estimate says is what a much finer mesh moves the answer by."""
+    result = arch(divisions=None)
+    assert result.model.grid.divisions in {4, 8}
+    finest = arch(divisions=16).largest_displacement.value
+    missing = abs(result.largest_displacement.value / finest - 1)
+    assert missing <= 1.5 * result.mesh_error <= 1.5 * MESH_ERROR
+    assert f"about {100 * result.mesh_error:.1f} %" in str(result)
+    assert not any("mesh" in text for text in result.warnings)
+    unknown = arch()
+    assert unknown.mesh_error is None
+    assert "not estimated" in str(unknown)
+
+
+def test_mesh_that_may_not_be_refined_says_how_far_it_is_off():
+    result = arch(divisions=None)
+    options = {"supports": Support.border("a start", "a end"), "stiffness": TIMBER}
+    loads = AreaLoad(pressure=1500)
+    coarse = converged(result.model.shell, loads, close=1e-6, finest=8, **options)
+    assert coarse.model.grid.divisions == 8
+    assert coarse.mesh_error > 1e-6
+    warned = replace(coarse, mesh_error=0.05)
+    assert any("off by 5 %; give divisions=16" in text for text in warned.warnings)
 
 
 def test_material_without_strength_has_no_utilisation():
     bare = Material("felt", 100.0, (0.5, 0.5, 0.5), stiffness=TIMBER)
     plate = ifs.thicken(strip(400, 200, 10).mesh, 10.0, material=bare)
     result = analyse(plate, loads=SelfWeight(), supports=Support.border())
-    assert result.utilisation is None
-    assert result.panel_utilisation is None
+    assert result.largest_utilisation is None
+    assert np.isnan(result.utilisation).all()
     assert "not known" in str(result)
 
 
@@ -126,6 +164,7 @@ def test_cases_of_one_solver_are_those_of_analyse_and_superpose():
         shell,
         loads=[1.35 * SelfWeight(), 1.5 * AreaLoad(pressure=800)],
         supports=supports,
+        divisions=4,
         stiffness=TIMBER,
     )
     sum_of_both = 1.35 * weight.displacements + 1.5 * snow.displacements

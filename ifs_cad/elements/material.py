@@ -137,9 +137,16 @@ class Material:
 # Stiffness is estimated, not declared: seven equal crossed veneers, each with the mean moduli of
 # C24 in EN 338 (11000 along, 370 across, shear 690) and a tenth of that shear modulus in rolling,
 # summed in bending by laminate theory (the three veneers across hold 99/343 of the second moment).
-# Strength: characteristic values declared for spruce plywood (Metsa Wood, declaration of
-# performance MW/PW, EN 13986), the fifth of nine thicknesses, which by its ratios along to across
-# is 21 mm in seven veneers. For a building, take those declared for the board that is bought.
+# For comparison: "Plywood, sheathing grade" of MatWeb has 8200 to 10300 in bending, 590 to 760 in
+# edgewise and 140 to 210 in rolling shear.
+#
+# Strength: characteristic values of sanded Metsa Wood spruce plywood, declaration of performance
+# MW/PW (EN 13986:2004+A1:2015), the sixth of nine thicknesses. The copy that was read (transcribed
+# at businessdocbox.com/113578751-Construction/Declaration-of-performance.html) has lost the names
+# of its columns. They were told by compression along to across: 16.8 : 13.2 is that of four
+# veneers along and three across less a sixth of a veneer sanded off, as the same sixth explains
+# seven of the other eight; so the sixth is 21 mm in seven veneers. The declared moduli were not in
+# the copy. For a building, take what is declared for the board that is bought.
 SPRUCE_PLYWOOD = Material(
     "spruce plywood",
     450.0,
@@ -153,15 +160,15 @@ SPRUCE_PLYWOOD = Material(
         g_across=112.0,
     ),
     Strength(
-        bending_along=21.5,
-        bending_across=12.3,
-        tension_along=11.8,
-        tension_across=6.2,
-        compression_along=19.7,
-        compression_across=10.3,
+        bending_along=20.7,
+        bending_across=12.7,
+        tension_along=10.1,
+        tension_across=7.9,
+        compression_along=16.8,
+        compression_across=13.2,
         shear=3.5,
-        planar_along=1.76,
-        planar_across=0.64,
+        planar_along=1.41,
+        planar_across=1.18,
     ),
 )
 SPRUCE = Material("spruce", 440.0, (0.85, 0.69, 0.46))

@@ -22,7 +22,7 @@ COLUMNS = (
     Column("load kN"),
     Column("deflection against the first"),
 )
-WIDTH, BAR, GAP, NAMES, VALUES = 640, 26, 12, 150, 90  # pixels
+WIDTH, BAR, GAP, NAMES, VALUES = 640, 26, 12, 150, 130  # pixels
 COLOUR = "#3b528b"
 
 
@@ -72,7 +72,7 @@ def export_chart(results: Mapping[str, Result], path: str | os.PathLike[str]) ->
 
 
 def _row(name: str, result: Result, first: float) -> tuple[Cell, ...]:
-    used, down = result.utilisation, result.deflection
+    used, down = result.largest_utilisation, result.deflection
     return (
         name,
         down.value,
@@ -91,13 +91,15 @@ def _svg(results: Mapping[str, Result]) -> Iterator[str]:
     yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} font-family="sans-serif">'
     yield f'<rect width="{WIDTH}" height="{height}" fill="white"/>'
     yield f'<text x="{GAP}" y="{2 * GAP}" font-size="15">Largest deflection |u_z|, mm</text>'
+    first = next(iter(results.values())).deflection.value
     highest = max(result.deflection.value for result in results.values()) or 1.0
     for number, (name, result) in enumerate(results.items()):
         top = 3 * GAP + number * (BAR + GAP)
         value = result.deflection.value
         length = (WIDTH - NAMES - VALUES) * value / highest
         line = f'y="{top + 0.7 * BAR:g}" font-size="14"'
+        less = f"  (1/{first / value:.3g})" if 0 < value < first else ""
         yield f'<text x="{NAMES - GAP}" {line} text-anchor="end">{escape(name)}</text>'
         yield (f'<rect x="{NAMES}" y="{top}" width="{length:.2f}" height="{BAR}" fill="{COLOUR}"/>')
-        yield f'<text x="{NAMES + length + 6:.2f}" {line}>{value:.4g}</text>'
+        yield f'<text x="{NAMES + length + 6:.2f}" {line}>{value:.4g}{less}</text>'
     yield "</svg>"

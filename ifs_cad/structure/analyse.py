@@ -1,61 +1,20 @@
 """The structure check in one call.
 
-`analyse` makes the model and solves it once. For several load cases make a `Solver` and call it
-for each: the factorisation, which takes most of the time, is done once.
+`analyse` makes the model, as fine as it must be, and solves it. For several load cases make a
+`Solver` and call it for each.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
-
-import numpy as np
-
 from ifs_cad.elements.fibre import Fibre
 from ifs_cad.elements.material import Stiffness
 from ifs_cad.elements.panel import Shell
-from ifs_cad.structure.load import Loads, total_forces
-from ifs_cad.structure.model import DIVISIONS, Joints, Model, model_of
-from ifs_cad.structure.result import Reaction, Result
-from ifs_cad.structure.section import resultants
-from ifs_cad.structure.solve import Factors
+from ifs_cad.structure.converge import converged
+from ifs_cad.structure.load import Loads
+from ifs_cad.structure.model import Joints, model_of
+from ifs_cad.structure.result import Result
+from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Supports
-from ifs_cad.types import FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class Solver:
-    """A model that answers load cases one after the other."""
-
-    model: Model
-
-    @cached_property
-    def _factors(self) -> Factors:
-        return Factors(self.model)
-
-    def __call__(self, loads: Loads) -> Result:
-        """Return the linear answer to some loads.
-
-        Raises
-        ------
-        MechanismError
-            The structure moves without resistance; says where, and what would hold it.
-        InputError
-            Nothing is loaded, or a load cannot be read.
-        """
-        model = self.model
-        forces = total_forces(loads, model.grid, model.surface_weight)
-        moved = self._factors.solve(model.vector(forces))
-        of_node = moved[model.freedoms]
-        of_quad = of_node[model.grid.quads].reshape(-1, 24)
-        return Result(
-            model=model,
-            displacements=of_node[:, :3],
-            rotations=of_node[:, 3:],
-            resultants=resultants(model.grid, model.matrices, of_quad, model.angles),
-            forces=forces,
-            reactions=reactions(model, model.matrix @ moved - model.vector(forces)),
-        )
 
 
 def analyse(
@@ -64,7 +23,7 @@ def analyse(
     loads: Loads,
     supports: Supports = "standing",
     joints: Joints = "hinge",
-    divisions: int = DIVISIONS,
+    divisions: int | None = None,
     fibre: Fibre | None = None,
     stiffness: Stiffness | None = None,
 ) -> Result:
@@ -77,7 +36,9 @@ def analyse(
         `SelfWeight()`, `AreaLoad(pressure=1500)`, `PointLoad(...)`, multiplied by factors.
     supports : Support, "standing", or several of them
     joints : "hinge", "rigid" or float, N mm/rad per mm of edge
-    divisions : int, quads along each edge of a panel
+    divisions : int, optional, quads along each edge of a panel
+        By default as many as keep the estimated error of the largest displacement within 2 %:
+        `Result.mesh_error` says what it is, see `converge`.
     fibre : Fibre, optional
         The rule for the fibre directions, instead of the shell's own.
     stiffness : Stiffness, optional
@@ -92,6 +53,10 @@ def analyse(
     MissingLibraryError
         Kratos is not installed: `pip install 'ifs-cad[structure]'`.
     """
+    if divisions is None:
+        return converged(
+            shell, loads, supports=supports, joints=joints, fibre=fibre, stiffness=stiffness
+        )
     model = model_of(
         shell,
         supports=supports,
@@ -101,21 +66,3 @@ def analyse(
         stiffness=stiffness,
     )
     return Solver(model)(loads)
-
-
-def reactions(model: Model, rest: FloatArray) -> tuple[Reaction, ...]:
-    """Return what each support gives; where two share a degree of freedom, the first is counted.
-
-    Parameters
-    ----------
-    model : Model
-    rest : (size,) float, forces inside the structure less the loads, N
-    """
-    left = rest.copy()
-    found = []
-    for support, held in zip(model.supports, model.held_by, strict=True):
-        moves = held[held < 3 * model.grid.points]
-        force = np.bincount(moves % 3, left[moves], minlength=3)
-        left[moves] = 0.0
-        found.append(Reaction(support.name, tuple(force.tolist())))
-    return tuple(found)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ifs_cad.design.address import listed
 from ifs_cad.design.mesh import Mesh
-from ifs_cad.errors import InputError
+from ifs_cad.errors import AddressError, InputError
 from ifs_cad.structure.surface import element_frames
 from ifs_cad.types import FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length
@@ -89,6 +89,18 @@ class Grid:
         return length(cross(along, across)).T / 4
 
     @cached_property
+    def blocks(self) -> tuple[IntArray, IntArray]:
+        """Nodes in rows and columns: of four-sided polygons, of the corners of others.
+
+        (k, n + 1, n + 1) and (c, n / 2 + 1, n / 2 + 1) int.
+        """
+        inside = int((self.mesh.sizes == 4).sum()) * self.divisions**2
+        return (
+            _lattices(self.quads[:inside], self.divisions),
+            _lattices(self.quads[inside:], max(self.divisions // 2, 1)),
+        )
+
+    @cached_property
     def areas(self) -> FloatArray:
         """(e,) float, mm2."""
         return np.asarray(self.gauss_areas.sum(axis=1))
@@ -114,6 +126,20 @@ class Grid:
     def nearest(self, place: FloatArray) -> int:
         """Return the node nearest to a (3,) point."""
         return int(np.argmin(length(self.nodes - place)))
+
+    def middle(self, address: str) -> int:
+        """Return the node of a panel nearest to its centroid.
+
+        Raises
+        ------
+        AddressError
+            No panel has the address.
+        """
+        if address not in self.mesh.addresses:
+            raise AddressError(f"No panel has the address {address!r}.", addresses=[address])
+        face = self.mesh.addresses.index(address)
+        own = np.flatnonzero(self.face_of_node == face)
+        return int(own[np.argmin(length(self.nodes[own] - self.mesh.centroids[face]))])
 
     def address(self, node: int) -> str:
         """Return the address of the panel of a node."""
@@ -176,6 +202,17 @@ def divide(mesh: Mesh, divisions: int) -> Grid:
         point=np.unique(label[first], return_inverse=True)[1],
         edges=np.searchsorted(unique, along),
     )
+
+
+def _lattices(quads: IntArray, count: int) -> IntArray:
+    """Return the nodes of blocks of count x count quads, (b, count + 1, count + 1)."""
+    blocks = quads.reshape(-1, count, count, 4)
+    lattice = np.empty((len(blocks), count + 1, count + 1), dtype=np.int64)
+    lattice[:, :-1, :-1] = blocks[..., 0]
+    lattice[:, -1, :-1] = blocks[:, -1, :, 1]
+    lattice[:, -1, -1] = blocks[:, -1, -1, 2]
+    lattice[:, :-1, -1] = blocks[:, :, -1, 3]
+    return lattice
 
 
 class _Labels:

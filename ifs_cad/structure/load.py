@@ -124,22 +124,32 @@ class PointLoad(_Scaled):
     ----------
     factor : float
     force : (3,) float, N
-    at : (3,) float, mm
+    at : (3,) float, mm; or the address of a panel, for the point nearest to its middle
     """
 
     force: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    at: tuple[float, float, float] | str = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("force", "at"):
-            value = vector(getattr(self, name), f"{name} of a point load")
+            value = getattr(self, name)
+            if name == "at" and isinstance(value, str):
+                continue
+            value = vector(value, f"{name} of a point load")
             object.__setattr__(self, name, tuple(value.tolist()))
 
     def forces(self, grid: Grid, weight: float) -> FloatArray:
-        """Return the forces on the grid nodes, (v, 3) N."""
+        """Return the forces on the grid nodes, (v, 3) N.
+
+        Raises
+        ------
+        AddressError
+            No panel has the address.
+        """
         result = np.zeros((len(grid.nodes), 3))
-        result[grid.nearest(np.array(self.at))] = self.factor * np.array(self.force)
+        node = grid.middle(self.at) if isinstance(self.at, str) else grid.nearest(np.array(self.at))
+        result[node] = self.factor * np.array(self.force)
         return result
 
 

@@ -18,7 +18,6 @@ from ifs_cad.elements.material import Stiffness
 from ifs_cad.elements.panel import Shell
 from ifs_cad.errors import InputError, InstabilityError
 from ifs_cad.progress import report
-from ifs_cad.structure.analyse import reactions
 from ifs_cad.structure.corotation import (
     Corotation,
     State,
@@ -31,6 +30,7 @@ from ifs_cad.structure.model import DIVISIONS, Joints, Model, model_of
 from ifs_cad.structure.result import Result
 from ifs_cad.structure.section import resultants
 from ifs_cad.structure.solve import Factors, factor
+from ifs_cad.structure.solver import reactions
 from ifs_cad.structure.support import Supports
 from ifs_cad.types import FloatArray
 
@@ -64,7 +64,8 @@ def analyse_nonlinear(
     ------
     InstabilityError
         The shell buckles or snaps through below the full load; `load_share` is the share of it
-        up to which equilibrium was found.
+        up to which equilibrium was found, to within 1 / (32 steps) of the load, and `deflection`
+        (mm) the largest |u_z| there.
     MechanismError, InputError, MissingLibraryError
         As for `analyse`.
     """
@@ -98,12 +99,7 @@ def deform(model: Model, loads: Loads, steps: int = STEPS) -> Result:
         if found is None or gone > LEAP * pace * (aim - share):
             step /= 2
             if step < 1.0 / steps / 2**HALVINGS:
-                raise InstabilityError(
-                    f"No stable equilibrium beyond {100 * share:.0f} % of the load: the shell "
-                    "buckles or snaps through there. Fold it more, make it thicker, stiffen its "
-                    "joints, or load it less.",
-                    load_share=share,
-                )
+                raise _instability(model, shape, share)
             continue
         pace = gone / (aim - share)
         shape, share = found, aim
@@ -117,6 +113,19 @@ def deform(model: Model, loads: Loads, steps: int = STEPS) -> Result:
         forces=forces,
         reactions=reactions(model, path.inner(shape, state) - path.forces),
         nonlinear=True,
+    )
+
+
+def _instability(model: Model, shape: _Shape, share: float) -> InstabilityError:
+    sunk = np.abs(shape.moved[:, 2])
+    node = int(np.argmax(sunk))
+    return InstabilityError(
+        f"No stable equilibrium beyond {100 * share:.1f} % of the load, where it moves vertically "
+        f"by {sunk[node]:.4g} mm in {model.grid.address(node)}: the shell buckles or snaps "
+        "through there. Fold it more, make it thicker, stiffen its joints, or load it less.",
+        addresses=[model.grid.address(node)],
+        load_share=share,
+        deflection=float(sunk[node]),
     )
 
 

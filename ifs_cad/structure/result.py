@@ -10,9 +10,11 @@ import numpy as np
 from ifs_cad.structure.load import GRAVITY
 from ifs_cad.structure.model import Model
 from ifs_cad.structure.section import utilisation
-from ifs_cad.types import FloatArray
+from ifs_cad.types import FloatArray, IntArray
 from ifs_cad.vectors import length
 
+MESH_ERROR = 0.02
+"""Estimated share of the largest displacement by which a mesh may be off."""
 LARGE_MOVEMENT = 0.01  # of the largest extent of a shell, from which linear answers were 20 % off
 
 
@@ -62,6 +64,9 @@ class Result:
     forces : (v, 3) float, the loads on the grid nodes, N
     reactions : of each support
     nonlinear : bool, whether equilibrium was found in the deformed shape
+    mesh_error : float or None
+        By which share of itself the largest displacement may still change with finer quads, as
+        `converge` estimates; None where nobody looked.
     """
 
     model: Model
@@ -71,6 +76,7 @@ class Result:
     forces: FloatArray = field(repr=False)
     reactions: tuple[Reaction, ...]
     nonlinear: bool = False
+    mesh_error: float | None = None
 
     @cached_property
     def deflection(self) -> Extreme:
@@ -107,18 +113,24 @@ class Result:
         return utilisation(self.resultants, self.model.thickness, strength)
 
     @cached_property
-    def panel_utilisation(self) -> FloatArray | None:
-        """(p,) float, the largest in each panel of the shell; NaN below the floor."""
+    def utilisation(self) -> FloatArray:
+        """(p,) float, the largest in each panel, in the order of `model.shell.addresses`.
+
+        Beyond 1 the material fails. NaN where no strength is known, and for panels of which the
+        floor leaves too little to be analysed.
+        """
         if self.quad_utilisation is None:
-            return None
-        surface = self.model.surface
-        panels = np.full(len(self.model.shell), np.nan)
-        np.fmax.at(panels, surface.panels[self.model.grid.face_of_quad], self.quad_utilisation)
-        return panels
+            return np.full(len(self.model.shell), np.nan)
+        return self._of_panels(self.quad_utilisation, self.model.grid.face_of_quad)
 
     @cached_property
-    def utilisation(self) -> Extreme | None:
-        """The largest utilisation; beyond 1 the material fails."""
+    def deflections(self) -> FloatArray:
+        """(p,) float, the largest |u_z| in each panel, mm; ordered as `utilisation`, NaN alike."""
+        return self._of_panels(np.abs(self.displacements[:, 2]), self.model.grid.face_of_node)
+
+    @cached_property
+    def largest_utilisation(self) -> Extreme | None:
+        """The largest utilisation; beyond 1 the material fails. None where no strength is known."""
         if self.quad_utilisation is None:
             return None
         worst = int(np.argmax(self.quad_utilisation))
@@ -138,7 +150,14 @@ class Result:
                 f"it moves by {100 * moved / size:.2g} % of its size, where a linear answer "
                 "misleads: use analyse_nonlinear"
             )
-        if self.utilisation is not None and self.utilisation.value > 1:
+        if self.mesh_error is not None and self.mesh_error > MESH_ERROR:
+            divisions = 2 * self.model.grid.divisions
+            found.append(
+                f"the mesh is coarse: displacements may be off by {100 * self.mesh_error:.2g} %; "
+                f"give divisions={divisions}, which takes some five times as long"
+            )
+        used = self.largest_utilisation
+        if used is not None and used.value > 1:
             found.append("the material fails: more than its strength is used")
         return tuple(found)
 
@@ -149,7 +168,7 @@ class Result:
     def __str__(self) -> str:
         """Return the table."""
         model, down = self.model, self.deflection
-        most, used = self.largest_displacement, self.utilisation
+        most, used = self.largest_displacement, self.largest_utilisation
         joints = model.joints if isinstance(model.joints, str) else f"{model.joints:g} N mm/rad/mm"
         rows = [
             (
@@ -157,6 +176,7 @@ class Result:
                 f"{len(model.grid.mesh)} panels of {model.grid.divisions} x "
                 f"{model.grid.divisions} quads, {model.size} degrees of freedom, joints: {joints}",
             ),
+            ("mesh error", _share(self.mesh_error)),
             ("analysis", "in the deformed shape" if self.nonlinear else "linear"),
             ("weight", f"{self.weight / 1e3:.2f} kN, {self.weight / GRAVITY:.0f} kg"),
             ("load", _force(self.load)),
@@ -172,10 +192,22 @@ class Result:
         width = max(len(name) for name, _ in rows) + 2
         return "\n".join(f"{name:{width}}{value}" for name, value in rows)
 
+    def _of_panels(self, values: FloatArray, faces: IntArray) -> FloatArray:
+        """Return the largest value in each panel of the shell, NaN without one."""
+        panels = np.full(len(self.model.shell), np.nan)
+        np.fmax.at(panels, self.model.surface.panels[faces], values)
+        return panels
+
     def _extreme(self, values: FloatArray) -> Extreme:
         node = int(np.argmax(values))
         grid = self.model.grid
         return Extreme(float(values[node]), grid.address(node), tuple(grid.nodes[node].tolist()))
+
+
+def _share(error: float | None) -> str:
+    if error is None:
+        return "not estimated; leave divisions away to have it estimated"
+    return f"about {100 * error:.1f} % of the displacement"
 
 
 def _force(force: FloatArray) -> str:

@@ -1,18 +1,29 @@
-"""The deformed shell as a picture, coloured by how far it sinks."""
+"""The deformed shell as a picture and for the viewer, coloured by what it answers."""
 
 from __future__ import annotations
 
 import math
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
+import cadquery as cq
 import numpy as np
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+from OCP.GeomAPI import GeomAPI_PointsToBSplineSurface
+from OCP.gp import gp_Pnt
+from OCP.TColgp import TColgp_Array2OfPnt
 
+from ifs_cad.errors import InputError
 from ifs_cad.files import replaced
 from ifs_cad.structure.result import Result
-from ifs_cad.types import IntArray
+from ifs_cad.types import FloatArray, IntArray
 from ifs_cad.view.render import drawn
+
+By = Literal["deflection", "utilisation"]
+TITLES: dict[By, str] = {"deflection": "|u_z|, mm", "utilisation": "utilisation"}
+UNKNOWN = (190, 190, 190)  # of panels of which nothing is known
+SEWN = 1e-3  # mm, within which the kernel takes points of a face for one
 
 RAMP = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)])
 """Anchors of viridis, which also the colour-blind and printers tell apart."""
@@ -33,22 +44,77 @@ def magnification(result: Result) -> float:
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= factor)
 
 
+def deformed_assembly(
+    result: Result, *, by: By = "deflection", scale: float | None = None
+) -> cq.Assembly:
+    """Return the deformed shell for the viewer: `ifs.show(ifs.deformed_assembly(result))`.
+
+    Parameters
+    ----------
+    result : Result
+    by : "deflection" or "utilisation"
+        What colours the panels, each by its largest value, violet for none to yellow for the
+        largest of all; grey where nothing is known.
+    scale : float, optional
+        How many times larger displacements are drawn; `magnification` by default.
+
+    Returns
+    -------
+    cq.Assembly
+        A curved face for every panel, by its address; the name tells scale and largest value. In
+        the metadata of each panel "deflection" (mm) and "utilisation".
+
+    Raises
+    ------
+    InputError
+        Another `by`, or no strength is known to use up.
+    """
+    of_panels = _values(result, by, result.deflections, result.utilisation)
+    scale = magnification(result) if scale is None else scale
+    grid, model = result.model.grid, result.model
+    points = result.deformed(scale)
+    faces: dict[int, list[cq.Face]] = {}
+    for lattices in grid.blocks:
+        for lattice in lattices:
+            face = int(grid.face_of_node[lattice[0, 0]])
+            faces.setdefault(face, []).append(_face(points[lattice]))
+    high = float(np.nanmax(of_panels)) or 1.0
+    shades = _shades()
+    whole = cq.Assembly(name=f"deformed {scale:g} x, {TITLES[by]} up to {high:.4g}")
+    for face, parts in sorted(faces.items()):
+        panel = int(model.surface.panels[face])
+        value = float(of_panels[panel])
+        colour = UNKNOWN if math.isnan(value) else shades[round(value / high * (SHADES - 1))]
+        whole.add(
+            parts[0] if len(parts) == 1 else cq.Compound.makeCompound(parts),
+            name=grid.mesh.addresses[face],
+            color=cq.Color(*(float(part) / 255 for part in colour)),
+            metadata={
+                "deflection": float(result.deflections[panel]),
+                "utilisation": float(result.utilisation[panel]),
+            },
+        )
+    return whole
+
+
 def render_deformed(
     result: Result,
     path: str | os.PathLike[str],
     *,
+    by: By = "deflection",
     scale: float | None = None,
     width: int = 1600,
     height: int = 1000,
     azimuth: float = -60.0,
     elevation: float = 25.0,
 ) -> None:
-    """Write a picture of the deformed shell, coloured by |u_z|, over the lines of its panels.
+    """Write a picture of the deformed shell, coloured, over the lines of its panels.
 
     Parameters
     ----------
     result : Result
     path : path of a PNG; written beside it and renamed
+    by : "deflection" or "utilisation", what colours it
     scale : float, optional
         How many times larger displacements are drawn; `magnification` by default.
     width, height : int, pixels
@@ -56,13 +122,15 @@ def render_deformed(
 
     Raises
     ------
+    InputError
+        Another `by`, or no strength is known to use up.
     ViewerError
         Nothing on this machine can draw.
     ExportError
         The file could not be written.
     """
     scale = magnification(result) if scale is None else scale
-    scene = _scene(result, scale) | {
+    scene = _scene(result, by, scale) | {
         "size": np.array([width, height]),
         "view": np.array([azimuth, elevation, ZOOM]),
         "background": np.ones(3),
@@ -72,14 +140,17 @@ def render_deformed(
         scratch.write_bytes(picture)
 
 
-def _scene(result: Result, scale: float) -> dict[str, Any]:
+def _scene(result: Result, by: By, scale: float) -> dict[str, Any]:
     grid = result.model.grid
     points = np.concatenate([result.deformed(scale), grid.nodes])
-    sunk = np.abs(result.displacements[:, 2])
     triangles = grid.quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    sunk = np.abs(result.displacements[:, 2])
+    used = np.full(len(grid.quads), np.nan)
+    used = used if result.quad_utilisation is None else result.quad_utilisation
+    values = _values(result, by, sunk[triangles].mean(axis=1), np.repeat(used, 2))
+    high = float((sunk if by == "deflection" else used).max()) or 1.0
     shades = _shades()
-    high = float(sunk.max()) or 1.0
-    shade = np.rint(sunk[triangles].mean(axis=1) / high * (SHADES - 1)).astype(int)
+    shade = np.rint(values / high * (SHADES - 1)).astype(int)
     edges = np.stack([grid.edges[:, :-1], grid.edges[:, 1:]], axis=-1).reshape(-1, 2)
     return {
         "points": points - (points.min(axis=0) + points.max(axis=0)) / 2,
@@ -91,8 +162,36 @@ def _scene(result: Result, scale: float) -> dict[str, Any]:
         "stroke_colors": np.empty((0, 4), np.uint8),
         "legend": shades,
         "legend_range": np.array([0.0, high]),
-        "legend_title": np.array(f"|u_z|, mm\n(drawn {scale:g} x)"),
+        "legend_title": np.array(f"{TITLES[by]}\n(drawn {scale:g} x)"),
     }
+
+
+def _values(result: Result, by: str, sunk: FloatArray, used: FloatArray) -> FloatArray:
+    """Return one of two arrays.
+
+    Raises
+    ------
+    InputError
+    """
+    if by not in get_args(By):
+        raise InputError(f'A shell is coloured by "deflection" or "utilisation", not by {by!r}.')
+    if by == "utilisation" and result.quad_utilisation is None:
+        raise InputError(
+            f"The strength of {result.model.shell.material.name} is not known, so its utilisation "
+            'is not either. Give the material one, or colour by "deflection".'
+        )
+    return sunk if by == "deflection" else used
+
+
+def _face(points: FloatArray) -> cq.Face:
+    """Return a curved face through (k, k, 3) points."""
+    table = TColgp_Array2OfPnt(1, len(points), 1, points.shape[1])
+    for row, line in enumerate(points.tolist(), start=1):
+        for column, point in enumerate(line, start=1):
+            table.SetValue(row, column, gp_Pnt(*point))
+    fitted = GeomAPI_PointsToBSplineSurface()
+    fitted.Interpolate(table)
+    return cq.Face(BRepBuilderAPI_MakeFace(fitted.Surface(), SEWN).Face())
 
 
 def _shades() -> Any:

@@ -10,43 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from ifs_cad.errors import ScriptError, WorkerError
+from ifs_cad.workflow.question import Question
 from ifs_cad.workflow.staging import install, staging
 from ifs_cad.workflow.supervise import Listener, run
 
 MADE = {".csv", ".inp", ".png", ".svg", ".txt", ".vtu"}
 """Files of a former analysis, which must not stay beside those of another."""
-
-
-@dataclass(frozen=True)
-class Question:
-    """What is asked.
-
-    Parameters
-    ----------
-    load : float, N/m2 of the ground plan
-    half : bool
-        Load one half only: that of lower x, or y when the shell is longer along y.
-    weight : bool
-        Add the weight of the panels.
-    supports : str
-        "standing", "borders", numbers or names of borders, with commas between.
-    joints : str
-        "hinge", "rigid" or a stiffness, N mm/rad per mm of edge.
-    divisions : int, quads along each edge of a panel
-    nonlinear : bool
-        Find equilibrium in the deformed shape.
-    modes : int
-        How many natural frequencies; 0 for none.
-    """
-
-    load: float = 1500.0
-    half: bool = False
-    weight: bool = False
-    supports: str = "standing"
-    joints: str = "hinge"
-    divisions: int = 4
-    nonlinear: bool = False
-    modes: int = 0
 
 
 @dataclass(frozen=True)

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ifs_cad import progress
 from ifs_cad.elements.panel import Shell
-from ifs_cad.errors import InputError, ScriptError
+from ifs_cad.errors import ScriptError
 from ifs_cad.export.chart import comparison, export_chart
 from ifs_cad.export.cutlist import export_csv
 from ifs_cad.export.deck import export_calculix
 from ifs_cad.export.vtu import export_vtu
-from ifs_cad.structure.analyse import Solver
-from ifs_cad.structure.load import AreaLoad, Load, SelfWeight
-from ifs_cad.structure.model import Joints, model_of
+from ifs_cad.fabrication.table import Cell, Table
+from ifs_cad.structure.analysis import KEY, Analysis
+from ifs_cad.structure.converge import LARGEST, converged
+from ifs_cad.structure.model import model_of
 from ifs_cad.structure.modes import modes_of
 from ifs_cad.structure.nonlinear import deform
 from ifs_cad.structure.result import Result
-from ifs_cad.structure.support import SIDES, Support
-from ifs_cad.types import Plane
+from ifs_cad.structure.solver import Solver
 from ifs_cad.view.deformed import render_deformed
-from ifs_cad.workflow.analyse import Question
+from ifs_cad.workflow.question import Question, answer_to
+
+LARGEST_DEFORMED = 50_000  # degrees of freedom; equilibrium is sought some twenty times
 
 
 def shells_of(assemblies: Sequence[Any]) -> dict[str, Shell]:
@@ -34,18 +36,29 @@ def shells_of(assemblies: Sequence[Any]) -> dict[str, Shell]:
     ScriptError
         There is none, or two have the same name.
     """
-    found: dict[str, Shell] = {}
-    for assembly in (one for whole in assemblies for one in _walk(whole)):
-        shell = assembly.metadata.get("elements")
-        if not isinstance(shell, Shell):
-            continue
-        name = str(assembly.name).rpartition("/")[2]
-        if name in found:
-            raise ScriptError(
-                f"Two shells are named {name!r}, and their files would be the same. Name them: "
-                "to_assembly(shell, name=...)."
-            )
-        found[name] = shell
+    return {name: shell for name, (shell, _) in asked(assemblies).items()}
+
+
+def asked(assemblies: Sequence[Any]) -> dict[str, tuple[Shell, Analysis | None]]:
+    """Return the same, and with each shell what the nearest assembly around it wants to know.
+
+    Raises
+    ------
+    ScriptError
+    """
+    found: dict[str, tuple[Shell, Analysis | None]] = {}
+    for whole in assemblies:
+        for assembly, analysis in _walk(whole, None):
+            shell = assembly.metadata.get("elements")
+            if not isinstance(shell, Shell):
+                continue
+            name = str(assembly.name).rpartition("/")[2]
+            if name in found:
+                raise ScriptError(
+                    f"Two shells are named {name!r}, and their files would be the same. Name "
+                    "them: to_assembly(shell, name=...)."
+                )
+            found[name] = shell, analysis
     if not found:
         raise ScriptError(
             "Only shells of panels are analysed, and the script showed none. Show what "
@@ -68,32 +81,38 @@ def make_analysis(assemblies: Sequence[Any], folder: Path, question: Question) -
     {"reports": {name: table}, "comparison": text}
     """
     results, reports = {}, {}
-    shells = shells_of(assemblies)
-    for name, shell in shells.items():
+    shells = asked(assemblies)
+    for name, (shell, own) in shells.items():
         prefix = "" if len(shells) == 1 else f"{name}_"
-        results[name], reports[name] = _analyse(shell, folder, prefix, question)
+        analysis = answer_to(shell, own or Analysis(), question)
+        results[name], reports[name] = _analyse(shell, analysis, folder, prefix, question)
     compared = ""
     if len(results) > 1:
         table = comparison(results)
         export_csv(table, folder / "comparison.csv")
         export_chart(results, folder / "comparison.svg")
-        compared = "\n".join(
-            f"{row[0]}: {row[1]:.4g} mm, {row[-1]:.4g} of the first" for row in table.rows
-        )
+        compared = _text(table)
     text = "\n\n".join([f"{name}\n{report}" for name, report in reports.items()] + [compared])
     (folder / "report.txt").write_text(f"{text.strip()}\n", encoding="utf-8")
     return {"reports": reports, "comparison": compared}
 
 
-def _analyse(shell: Shell, folder: Path, prefix: str, question: Question) -> tuple[Result, str]:
-    model = model_of(
-        shell,
-        supports=read_supports_text(question.supports),
-        joints=_joints(question.joints),
-        divisions=question.divisions,
-    )
-    loads = _loads(shell, question)
-    result = deform(model, loads) if question.nonlinear else Solver(model)(loads)
+def _analyse(
+    shell: Shell, asked_for: Analysis, folder: Path, prefix: str, question: Question
+) -> tuple[Result, str]:
+    held: dict[str, Any] = {"supports": asked_for.supports, "joints": asked_for.joints}
+    loads = asked_for.loads
+    if question.divisions is not None:
+        model = model_of(shell, divisions=question.divisions, **held)
+        result = None if question.nonlinear else Solver(model)(loads)
+    else:
+        largest = LARGEST_DEFORMED if question.nonlinear else LARGEST
+        result = converged(shell, loads, largest=largest, **held)
+        model = result.model
+    if question.nonlinear:
+        error = None if result is None else result.mesh_error
+        result = replace(deform(model, loads), mesh_error=error)
+    assert result is not None
     report = str(result)
     if question.modes:
         report += f"\n{modes_of(model, question.modes)}"
@@ -108,64 +127,28 @@ def _analyse(shell: Shell, folder: Path, prefix: str, question: Question) -> tup
     return result, report
 
 
-def read_supports_text(text: str) -> list[Support]:
-    """Read supports: "standing", "borders" for all of them, names and numbers of borders.
-
-    Raises
-    ------
-    InputError
-    """
-    supports = []
-    for word in (part.strip() for part in text.split(",")):
-        if word == "standing":
-            supports.append(Support.standing())
-        elif word == "borders":
-            supports.append(Support.border())
-        elif word in SIDES:
-            supports.append(Support.border(word))
-        elif word.isdecimal():
-            supports.append(Support.border(int(word)))
-        else:
-            raise InputError(
-                f"Unknown support {word!r}. Give standing, borders, the number of a border, or "
-                f'some of {", ".join(SIDES)}, with commas between: "a start, a end".'
-            )
-    return supports
+def _text(table: Table) -> str:
+    """Return a table for people: numbers of four digits under short heads."""
+    heads = ["", "u_z, mm", "in panel", "|u|, mm", "used", "weight, kN", "load, kN", "of the first"]
+    rows = [[_cell(cell) for cell in row] for row in table.rows]
+    widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+    lines = []
+    for row in (heads, *rows):
+        cells = [f"{cell:>{width}}" for cell, width in zip(row[1:], widths[1:], strict=True)]
+        lines.append("  ".join([f"{row[0]:<{widths[0]}}", *cells]))
+    return "\n".join(lines)
 
 
-def _joints(text: str) -> Joints:
-    named: dict[str, Joints] = {"hinge": "hinge", "rigid": "rigid"}
-    if text in named:
-        return named[text]
-    try:
-        return float(text)
-    except ValueError:
-        raise InputError(
-            f"Joints are hinge, rigid or a stiffness in N mm/rad per mm of edge, not {text!r}."
-        ) from None
+def _cell(cell: Cell) -> str:
+    if cell is None:
+        return "-"
+    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
 
 
-def _loads(shell: Shell, question: Question) -> list[Load]:
-    if not math.isfinite(question.load) or question.load < 0:
-        raise InputError(f"The load must be 0 or more, got {question.load} N/m2.")
-    loads: list[Load] = []
-    if question.load:
-        half = _first_half(shell) if question.half else None
-        loads.append(AreaLoad(pressure=question.load, on=half))
-    if question.weight:
-        loads.append(SelfWeight())
-    return loads
-
-
-def _first_half(shell: Shell) -> Plane:
-    """Return the plane across the longer side in its middle; the lower x or y is above it."""
-    low, high = shell.mesh.vertices.min(axis=0), shell.mesh.vertices.max(axis=0)
-    along_y = bool((high - low)[1] > (high - low)[0])
-    x, y, z = ((low + high) / 2).tolist()
-    return Plane((x, y, z), (0.0, -1.0, 0.0) if along_y else (-1.0, 0.0, 0.0))
-
-
-def _walk(assembly: Any) -> Iterator[Any]:
-    yield assembly
+def _walk(assembly: Any, above: Analysis | None) -> Iterator[tuple[Any, Analysis | None]]:
+    own = assembly.metadata.get(KEY, above)
+    if own is not None and not isinstance(own, Analysis):
+        raise ScriptError(f'The metadata "{KEY}" must hold an Analysis, got {own!r}.')
+    yield assembly, own
     for child in assembly.children:
-        yield from _walk(child)
+        yield from _walk(child, own)

@@ -143,7 +143,7 @@ def analyse(
     script: str, settings: Mapping[str, str], stage: str, question: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Run a part script and write how the shells that it shows stand into the folder `stage`."""
-    from ifs_cad.workflow.analyse import Question
+    from ifs_cad.workflow.question import Question
 
     shown = _shown(script, settings)
     progress.report("loading the structure check")

@@ -11,10 +11,11 @@ from structures import PLYWOOD, SLENDER, TIMBER, mesh_shell, strip
 
 from ifs_cad.elements.fibre import FibreTowards
 from ifs_cad.elements.material import Stiffness
-from ifs_cad.structure.analyse import Solver, analyse
+from ifs_cad.structure.analyse import analyse
 from ifs_cad.structure.load import AreaLoad, PointLoad
 from ifs_cad.structure.model import model_of
 from ifs_cad.structure.modes import natural_frequencies
+from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Support
 
 LENGTH, WIDTH, THICKNESS = 240.0, 120.0, 6.0

@@ -11,9 +11,9 @@ import pytest
 from structures import cylinder
 
 from ifs_cad.elements.material import Stiffness
-from ifs_cad.structure.analyse import Solver
 from ifs_cad.structure.load import AreaLoad, PointLoad
 from ifs_cad.structure.model import model_of
+from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Support
 
 
