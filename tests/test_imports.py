@@ -120,12 +120,51 @@ def test_import_of_the_package_loads_no_heavy_library():
     assert loaded.isdisjoint(KERNEL_LIBRARIES | {"numpy", "scipy", "typer", "rich"})
 
 
-@pytest.mark.parametrize("module", MODULES)
-def test_module_imports_alone_in_a_fresh_process(module):
-    loaded = packages_loaded_by(f"import {module}")
-    if is_light(module):
-        forbidden = KERNEL_LIBRARIES if module in MAY_LOAD_SCIPY else KERNEL_LIBRARIES | {"scipy"}
-        assert loaded.isdisjoint(forbidden)
+IMPORT_EACH = """
+import json, os, sys
+for module in sys.argv[1:]:
+    reader, writer = os.pipe()
+    if os.fork() == 0:
+        try:
+            __import__(module)
+            said = sorted({name.partition(".")[0] for name in sys.modules})
+        except BaseException as error:
+            said = repr(error)
+        os.write(writer, json.dumps(said).encode())
+        os._exit(0)
+    os.close(writer)
+    with open(reader) as pipe:
+        print(pipe.read())
+    os.wait()
+"""
+
+
+def loaded_by_each(modules: list[str], after: str) -> dict[str, list[str] | str]:
+    """What each module loads in a process of its own, or its error; all fork from one."""
+    code = f"{after}\n{IMPORT_EACH}"
+    result = subprocess.run(
+        [sys.executable, "-c", code, *modules],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        cwd=PACKAGE.parent,
+        check=True,
+    )
+    return dict(zip(modules, map(json.loads, result.stdout.splitlines()), strict=True))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes cannot fork here")
+@pytest.mark.parametrize("light", [True, False])
+def test_modules_import_alone_in_a_process_of_their_own(light):
+    modules = [module for module in MODULES if is_light(module) is light]
+    # what may be there anyway is loaded before, or this would take minutes
+    found = loaded_by_each(modules, "import numpy" if light else "import cadquery, scipy.sparse")
+    failed = {module: said for module, said in found.items() if isinstance(said, str)}
+    assert failed == {}
+    if light:
+        for module, loaded in found.items():
+            heavy = KERNEL_LIBRARIES if module in MAY_LOAD_SCIPY else KERNEL_LIBRARIES | {"scipy"}
+            assert heavy.isdisjoint(loaded), module
 
 
 def test_every_module_has_a_room():

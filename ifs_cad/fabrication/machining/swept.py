@@ -21,7 +21,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.optimize import linprog
 
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length
@@ -224,6 +223,8 @@ def _plane_between(sweep: Sweeps, corners: FloatArray, slack: float) -> bool:
     A direction d and a level t are looked for with d . corner <= t - gap and d . point >= t + gap
     for all corners of both bodies, no part of d larger than 1, and the largest gap.
     """
+    from scipy.optimize import linprog
+
     (axis,) = sweep.axes
     across = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     across /= np.linalg.norm(across)
