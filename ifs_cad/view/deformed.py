@@ -43,7 +43,7 @@ def render_deformed(
     azimuth: float = -60.0,
     elevation: float = 25.0,
 ) -> None:
-    """Write a picture of the deformed shell, coloured by |u_z|, over the lines of its panels.
+    """Write a picture of the deformed shell, coloured by ``|u_z|``, over the lines of its panels.
 
     Parameters
     ----------

@@ -1,0 +1,59 @@
+"""The documentation builds without a warning, and every block of code on its pages works."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from doc_examples import LANGUAGES, TO_READ, examples, languages
+from sphinx.util.inventory import InventoryFile
+
+import ifs_cad
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(p for p in DOCS.rglob("*.md") if p.name[0] != "_")]
+PARTS = sorted((ROOT / "parts").glob("*.py"))
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if languages(p) & {*LANGUAGES}], ids=name)
+def test_blocks_of_page_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    (tmp_path / "parts").symlink_to(ROOT / "parts")
+    for example in examples(page):
+        example.evaluate()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_blocks_of_page_are_in_known_languages(page):
+    assert languages(page) <= {*LANGUAGES, *TO_READ}
+
+
+@pytest.mark.slow
+def test_site_builds_without_warning_and_has_every_public_name(tmp_path):
+    site = tmp_path / "site"
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-d", tmp_path, DOCS, site],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    inventory = InventoryFile.loads((site / "objects.inv").read_bytes(), uri="")
+    documented = {n for role, names in inventory.data.items() if role[:3] == "py:" for n in names}
+    public = {f"ifs_cad.{n}" for n in ifs_cad.__all__} - {"ifs_cad.classics"}
+    assert public | {"ifs_cad.design.classics"} <= documented
+
+
+def test_gallery_shows_every_part_with_its_words_and_picture():
+    gallery = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    headings = [line[3:] for line in gallery.splitlines() if line.startswith("## ")]
+    assert headings == [part.stem for part in PARTS]
+    for part in PARTS:
+        assert (DOCS / "gallery" / f"{part.stem}.png").is_file()
