@@ -4,6 +4,8 @@
 - ``output`` is what the block before it must have printed; ``...`` stands for anything.
 - A block with a caption is the content of a file of that name, and it does not run.
 - Under the comment ``<!-- options only: why -->``, commands are read but not obeyed.
+- Under ``<!-- needs: freecadcmd -->`` a block, and the output below it, is passed over where that
+  program is not installed.
 - Other languages (``text``, ``ini``, ``json``) are there to be read.
 """
 
@@ -15,6 +17,7 @@ import io
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -35,7 +38,8 @@ TO_READ = {"text", "ini", "json"}
 FENCE = re.compile(r"^```+(?:\{code-block\} *)?([\w-]+) *$", re.MULTILINE)
 CAPTION = re.compile(r"\A```+.*\n:caption: *(.+)\n")
 OPTIONS_ONLY = re.compile(r"^<!-- options only: \S.* -->\s*\Z", re.MULTILINE)
-PRINTED = "_printed"  # in the namespace of a page: what its last block printed
+PRINTED = "_printed"  # in the namespace of a page: what its last block printed; None when it did not run
+NEEDS = re.compile(r"^<!-- needs: (\S+) -->\s*\Z", re.MULTILINE)
 CHECKER = doctest.OutputChecker()
 LAX = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
@@ -56,6 +60,10 @@ def evaluate(example: Example) -> str | None:
     block = example.document.text[example.start : example.end]
     if file := CAPTION.match(block):
         Path(file.group(1)).write_text(example.parsed, encoding="utf-8")
+        return None
+    needs = NEEDS.search(example.document.text[: example.start])
+    if needs and shutil.which(needs[1]) is None:
+        example.namespace[PRINTED] = None
         return None
     match example.region.lexemes["arguments"]:
         case "python":
@@ -105,6 +113,6 @@ def read_command(words: list[str]) -> None:
 
 def compare(example: Example) -> str | None:
     got = example.namespace[PRINTED]
-    if CHECKER.check_output(example.parsed, got, LAX):
+    if got is None or CHECKER.check_output(example.parsed, got, LAX):
         return None
     return f"Expected:\n{example.parsed}\nGot:\n{got}"
