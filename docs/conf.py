@@ -21,8 +21,6 @@ version = release = ifs_cad.__version__
 
 extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx_copybutton"]
 exclude_patterns = ["_*", "reference/_*", "drawings"]
-# pages that nobody has sorted into a folder yet have a place in the contents, when there are any
-suppress_warnings = ["toc.empty_glob"]
 
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist"]
 myst_heading_anchors = 3
@@ -38,6 +36,8 @@ nitpick_ignore_regex = [("py:obj", ".*")]
 
 html_theme = "furo"
 html_title = f"ifs_cad {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_show_sourcelink = False
 html_copy_source = False
 html_show_copyright = False

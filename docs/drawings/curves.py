@@ -27,7 +27,7 @@ SUBSCRIPTS = str.maketrans("0123", "₁₂₃₄")  # word digits count from 0, 
 
 def construction_steps() -> None:
     """The germ and three construction steps, every piece with its word."""
-    figure, axes = sheet(4, 13, 2.9)
+    figure, axes = sheet(2, 8.6, 4.9, rows=2)
     titles = ("germ: P K", "step 1: P Tᵢ K", "step 2: P Tᵢ Tⱼ K", "step 3: P Tᵢ Tⱼ Tₖ K")
     for depth, (axis, title) in enumerate(zip(axes, titles, strict=True)):
         curve = ifs.Curve(ROOF, depth=depth)
@@ -42,7 +42,7 @@ def construction_steps() -> None:
                 outward = np.array([middle[0] - 1500, 1500]) / 1800
                 name = "".join("T" + digit.translate(SUBSCRIPTS) for digit in word)
                 axis.annotate(
-                    name, middle - 300 * outward, ha="center", va="center", fontsize=9, color=INK
+                    name, middle - 300 * outward, ha="center", va="center", fontsize=10, color=INK
                 )
         axis.set_title(title)
         axis.set(xlim=(-150, 3250), ylim=(-230, 1650))
@@ -54,8 +54,8 @@ def subdivision() -> None:
     curve = ifs.Curve(ROOF, depth=6)
     moved = curve.with_subdivision_point("s3", (1500, 1000))
     heavy = curve.with_subdivision_point("s2", weight=3.0)
-    figure, axes = sheet(3, 12, 3.3)
-    titles = ("a Bezier curve", "s₃ moved up: every piece gets a ridge", "s₂ with the weight 3")
+    figure, axes = sheet(3, 10, 2.9)
+    titles = ("a Bezier curve", "s₃ moved up", "s₂ with the weight 3")
     for axis, shown, title in zip(axes, (curve, moved, heavy), titles, strict=True):
         control_polygon(axis, shown)
         if shown is not curve:
@@ -69,7 +69,7 @@ def subdivision() -> None:
 
 def roughness() -> None:
     """One curve from smooth to rough."""
-    figure, axes = sheet(4, 13, 2.9)
+    figure, axes = sheet(2, 8.6, 5.9, rows=2)
     for axis, rough in zip(axes, (0.0, 0.2, 0.4, 0.6), strict=True):
         curve = ifs.Curve(ROOF, depth=6).with_roughness(rough)
         control_polygon(axis, curve, names=False)
@@ -84,7 +84,7 @@ def contraction() -> None:
     """A curve whose pieces shrink beside one whose pieces do not."""
     good = ifs.Curve(ROOF, depth=7).with_roughness(0.3)
     bad = ifs.Curve(ROOF, depth=7).with_subdivision_point("s2", (650, 1900))
-    figure, axes = plt.subplots(1, 3, figsize=(13, 3.4))
+    figure, axes = plt.subplots(1, 3, figsize=(10, 2.9))
     for axis, curve, title in zip(axes, (good, bad), ("contracts", "does not"), strict=False):
         rate = curve.contraction().rate
         plot(axis, curve.points, color=WOOD, lw=0.9)
@@ -116,7 +116,7 @@ def contraction() -> None:
 def even_fold() -> None:
     """A rough curve, and the even fold of a smooth one with its two slopes."""
     base = ifs.Curve([(0, 0, 0), (0, 900, 200), (0, 1800, 0)], depth=2)
-    figure, axes = sheet(2, 12, 2.6)
+    figure, axes = sheet(1, 8, 4.0, rows=2)
     rough = base.with_depth(3).with_roughness(0.4)
     even = base.with_even_fold(0.5)
     titles = (

@@ -30,7 +30,7 @@ def section() -> None:
     shell = ifs.thicken(ifs.vector_sum(profile, [(0, 0, 0), (0, 100, 0)]), THICKNESS, side="inner")
     if shell.normals[:, 2].mean() < 0:
         shell = ifs.thicken(shell.mesh, THICKNESS, side="outer")
-    figure, (axis,) = sheet(1, 11, 4.2)
+    figure, (axis,) = sheet(1, 9, 3.8)
     for panel, colour in zip(shell, FOUR, strict=False):
         points = panel.solid.vertices
         cut = points[np.abs(points[:, 1]) < 1e-6][:, [0, 2]]
@@ -95,11 +95,11 @@ def node() -> None:
     """The offset faces around one node, from above: plain, relieved, on node axes."""
     a = np.array([(0, 0, 0), (100, 20, 75), (210, -10, 80)])
     b = np.array([(0, 0, 0), (60, 100, 45), (70, 220, 40)])
-    figure, axes = sheet(3, 13, 3.9)
+    figure, axes = sheet(3, 10, 2.9)
     titles = {
-        "plain": "bisector planes only: two panels overlap",
-        "relief": "relief: both are cut by one plane",
-        "axis": "node axes: nothing overlaps, edges make a lip",
+        "plain": "bisector planes only",
+        "relief": "relief",
+        "axis": "node axes",
     }
     for axis, (nodes, title) in zip(axes, titles.items(), strict=True):
         shell = ifs.thicken(ifs.vector_sum(a, b), 40.0, nodes=nodes)

@@ -47,7 +47,9 @@ def sheet(columns: int, width: float, height: float, rows: int = 1) -> tuple[Fig
 def save(figure: Figure, name: str) -> None:
     """Write a figure into the pictures of the documentation."""
     figure.tight_layout()
-    figure.savefig(PICTURES / f"{name}.svg", metadata={"Date": None})
+    figure.savefig(
+        PICTURES / f"{name}.svg", metadata={"Date": None}, bbox_inches="tight", pad_inches=0.08
+    )
     plt.close(figure)
 
 

@@ -29,7 +29,7 @@ def vector_sum() -> None:
     b = ifs.Curve(RIDGE, depth=2).with_roughness(0.4)
     mesh = ifs.vector_sum(a, b)
     camera = Camera(-50, 25)
-    figure, axes = sheet(2, 12, 4.6)
+    figure, axes = sheet(2, 9.5, 4.0)
     for axis in axes:
         if axis is axes[1]:
             colours = [WOOD_LIGHT] * len(mesh)
@@ -72,16 +72,16 @@ def addresses() -> None:
     """The first digits of the addresses of a surface, coarse to fine."""
     a = [ifs.Curve([(0, 0), (1000, -250), (2000, -150), (2900, 300)], depth=d) for d in (1, 2, 3)]
     b = [ifs.Curve([(0, 0), (-300, 700), (0, 1600)], depth=d) for d in (1, 2, 3)]
-    figure, axes = sheet(3, 13, 4.6)
+    figure, axes = sheet(3, 10.5, 3.0)
     for axis, along, across in zip(axes, a, b, strict=True):
         flat = ifs.vector_sum(along, across)
         colours = [FOUR[int(address[0])] for address in flat.addresses]
         middles = draw_mesh(axis, flat, Camera(-90, 90), colours)
-        size = {1: 15, 2: 10, 3: 5.5}[len(flat.addresses[0])]
+        size = {1: 14, 2: 9, 3: 5}[len(flat.addresses[0])]
         for address, place in zip(flat.addresses, middles, strict=True):
             axis.text(*place, address, ha="center", va="center", fontsize=size, color=INK)
         steps = len(flat.addresses[0])
-        axis.set_title(f"{steps} construction step{'s' * (steps > 1)}: {len(flat)} faces")
+        axis.set_title(f"{steps} step{'s' * (steps > 1)}: {len(flat)} faces")
     save(figure, "surface_addresses")
 
 
@@ -94,7 +94,7 @@ def folds() -> None:
         ifs.thicken(ifs.vector_sum(arch, across.with_depth(2).with_even_fold(0.5)), 12.0),
     )
     camera = Camera(-50, 25)
-    figure, axes = sheet(2, 12, 4.6)
+    figure, axes = sheet(2, 9.5, 4.0)
     largest = max(shell.node_gaps.max() for shell in shells)
     for axis, shell, name in zip(axes, shells, ("roughness 0.4", "even fold"), strict=True):
         draw_mesh(axis, shell.mesh, camera)

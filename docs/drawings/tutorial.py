@@ -32,7 +32,7 @@ def _shell() -> ifs.Shell:
 
 def tutorial_curves() -> None:
     """The arch, and the curve across: smooth and rough."""
-    figure, axes = sheet(3, 13, 3.4)
+    figure, axes = sheet(3, 10, 2.9)
     control_polygon(axes[0], ARCH, "xz")
     plot(axes[0], ARCH.points, "o-", plane="xz", color=WOOD, lw=2.2, ms=3.5)
     axes[0].set_title("the arch: 8 segments")
@@ -51,7 +51,7 @@ def tutorial_curves() -> None:
 def tutorial_surface() -> None:
     """The surface, every face with its address."""
     mesh, camera = ifs.vector_sum(ARCH, FOLD), Camera(-50, 35)
-    figure, (axis,) = sheet(1, 9, 5.6)
+    figure, (axis,) = sheet(1, 8, 5)
     middles = draw_mesh(axis, mesh, camera, [FOUR[int(a[1])] for a in mesh.addresses])
     seen = mesh.normals @ camera.back > 0.15
     for number in seen.nonzero()[0]:
