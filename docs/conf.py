@@ -58,5 +58,5 @@ def write_commands(_: Sphinx) -> None:
 
 
 def setup(app: Sphinx) -> None:
-    """Hook into the build."""
+    """Write the commands before each build."""
     app.connect("builder-inited", write_commands)

@@ -26,7 +26,8 @@ DRAWINGS = (
     tutorial.tutorial_surface,
     tutorial.tutorial_shell,
     tutorial.tutorial_sheet,
-    gallery.gallery,
+    gallery.gallery_pictures,
+    gallery.gallery_page,
 )
 
 if __name__ == "__main__":

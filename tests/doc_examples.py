@@ -38,7 +38,9 @@ TO_READ = {"text", "ini", "json"}
 FENCE = re.compile(r"^```+(?:\{code-block\} *)?([\w-]+) *$", re.MULTILINE)
 CAPTION = re.compile(r"\A```+.*\n:caption: *(.+)\n")
 OPTIONS_ONLY = re.compile(r"^<!-- options only: \S.* -->\s*\Z", re.MULTILINE)
-PRINTED = "_printed"  # in the namespace of a page: what its last block printed; None when it did not run
+PRINTED = (
+    "_printed"  # in the namespace of a page: what its last block printed; None when it did not run
+)
 NEEDS = re.compile(r"^<!-- needs: (\S+) -->\s*\Z", re.MULTILINE)
 CHECKER = doctest.OutputChecker()
 LAX = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
@@ -105,7 +107,9 @@ def read_command(words: list[str]) -> None:
         case ["ifs-cad", *rest]:
             group = cast(TyperGroup, typer.main.get_command(cli.app))
             context = group.make_context("ifs-cad", rest)
-            name, command, rest = group.resolve_command(context, [*context._protected_args, *context.args])
+            name, command, rest = group.resolve_command(
+                context, [*context._protected_args, *context.args]
+            )
             command.make_context(name, rest, parent=context)
         case ["make", target]:
             assert re.search(rf"^{target}:", MAKEFILE.read_text(), re.MULTILINE), f"no {target}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -56,5 +58,11 @@ def test_gallery_shows_every_part_with_its_words_and_picture():
     gallery = (DOCS / "gallery.md").read_text(encoding="utf-8")
     headings = [line[3:] for line in gallery.splitlines() if line.startswith("## ")]
     assert headings == [part.stem for part in PARTS]
+    summaries = re.findall(r"^\*(\d+) [a-z]+.*, [\d.]+ x [\d. x]+ m\.\*$", gallery, re.MULTILINE)
+    assert len(summaries) == len(PARTS)
     for part in PARTS:
+        words = ast.get_docstring(ast.parse(part.read_text(encoding="utf-8")))
+        assert words
+        assert words in gallery
+        assert f"![{part.stem}](gallery/{part.stem}.png)" in gallery
         assert (DOCS / "gallery" / f"{part.stem}.png").is_file()

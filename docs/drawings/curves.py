@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+
+import ifs_cad as ifs
 from drawings.style import (
     CONTROL,
     INK,
@@ -19,14 +21,12 @@ from drawings.style import (
     write_beside,
 )
 
-import ifs_cad as ifs
-
 ROOF = [(0, 0), (1500, 1400), (3000, 0)]
 SUBSCRIPTS = str.maketrans("0123", "₁₂₃₄")  # word digits count from 0, the paper's from 1
 
 
 def construction_steps() -> None:
-    """The germ and three construction steps, every piece with its word."""
+    """Draw the germ and three construction steps, every piece with its word."""
     figure, axes = sheet(2, 8.6, 4.9, rows=2)
     titles = ("germ: P K", "step 1: P Tᵢ K", "step 2: P Tᵢ Tⱼ K", "step 3: P Tᵢ Tⱼ Tₖ K")
     for depth, (axis, title) in enumerate(zip(axes, titles, strict=True)):
@@ -50,7 +50,7 @@ def construction_steps() -> None:
 
 
 def subdivision() -> None:
-    """One subdivision point, as it was, moved, and with another weight."""
+    """Draw one subdivision point, as it was, moved, and with another weight."""
     curve = ifs.Curve(ROOF, depth=6)
     moved = curve.with_subdivision_point("s3", (1500, 1000))
     heavy = curve.with_subdivision_point("s2", weight=3.0)
@@ -68,7 +68,7 @@ def subdivision() -> None:
 
 
 def roughness() -> None:
-    """One curve from smooth to rough."""
+    """Draw one curve from smooth to rough."""
     figure, axes = sheet(2, 8.6, 5.9, rows=2)
     for axis, rough in zip(axes, (0.0, 0.2, 0.4, 0.6), strict=True):
         curve = ifs.Curve(ROOF, depth=6).with_roughness(rough)
@@ -81,7 +81,7 @@ def roughness() -> None:
 
 
 def contraction() -> None:
-    """A curve whose pieces shrink beside one whose pieces do not."""
+    """Draw a curve whose pieces shrink beside one whose pieces do not."""
     good = ifs.Curve(ROOF, depth=7).with_roughness(0.3)
     bad = ifs.Curve(ROOF, depth=7).with_subdivision_point("s2", (650, 1900))
     figure, axes = plt.subplots(1, 3, figsize=(10, 2.9))
@@ -105,7 +105,11 @@ def contraction() -> None:
         ]
         plot_.semilogy(depths, sizes, "o-", color=colour, ms=4, lw=1.2)
         plot_.annotate(
-            name, (depths[4], sizes[4]), offset, textcoords="offset points", color=colour,
+            name,
+            (depths[4], sizes[4]),
+            offset,
+            textcoords="offset points",
+            color=colour,
         )
     plot_.set(xlabel="construction steps", ylabel="longest segment, mm")
     plot_.set_title("the pieces from step to step")
@@ -114,14 +118,14 @@ def contraction() -> None:
 
 
 def even_fold() -> None:
-    """A rough curve, and the even fold of a smooth one with its two slopes."""
+    """Draw a rough curve, and the even fold of a smooth one with its two slopes."""
     base = ifs.Curve([(0, 0, 0), (0, 900, 200), (0, 1800, 0)], depth=2)
     figure, axes = sheet(1, 8, 4.0, rows=2)
     rough = base.with_depth(3).with_roughness(0.4)
     even = base.with_even_fold(0.5)
     titles = (
         "roughness 0.4: eight slopes",
-        "even fold over four segments: two slopes, +0.5 and −0.5",
+        "even fold over four segments: one slope, up and down",
     )
     for axis, curve, title in zip(axes, (rough, even), titles, strict=True):
         plot(axis, base.points, plane="yz", color=PALE, lw=1, ls=":")

@@ -24,22 +24,31 @@ VIEWS = {
 HEAD = """# Gallery
 
 Every picture is one script in `parts/`, drawn by `ifs.render`, and every script is a start for a
-design of your own: `ifs-cad build parts/dome.py --set sides=30`. This page and its pictures are made
-by `make pictures`.
+design of your own: `ifs-cad build parts/dome.py --set sides=30`. This page and its
+pictures are made by `make pictures`.
 """
 
 
-def gallery() -> None:
-    """Draw every part, and write the page that shows them."""
+def gallery_pictures() -> None:
+    """Draw every part."""
     GALLERY.mkdir(exist_ok=True)
+    for name in names():
+        _draw(shown(name), name)
+
+
+def gallery_page() -> None:
+    """Write the page that shows them."""
     page = [HEAD]
-    for script in sorted(PARTS.glob("*.py")):
-        name = script.stem
-        assembly = shown(name)
-        _draw(assembly, name)
-        words = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
-        page += [f"## {name}", "", words, "", f"![{name}](gallery/{name}.png)", "", numbers(assembly), ""]
+    for name in names():
+        words = ast.get_docstring(ast.parse((PARTS / f"{name}.py").read_text(encoding="utf-8")))
+        picture = f"![{name}](gallery/{name}.png)"
+        page += [f"## {name}", "", words or "", "", picture, "", numbers(shown(name)), ""]
     (DOCS / "gallery.md").write_text("\n".join(page), encoding="utf-8")
+
+
+def names() -> list[str]:
+    """Return the names of all parts."""
+    return sorted(script.stem for script in PARTS.glob("*.py"))
 
 
 def shown(name: str) -> cq.Assembly:
@@ -56,17 +65,16 @@ def numbers(assembly: cq.Assembly) -> str:
     """Return what a part is, in one line: how many pieces, of what, how heavy, how large."""
     parts = [part for part in assembly.objects.values() if part.obj is not None]
     box = assembly.toCompound().BoundingBox()
-    size = " x ".join(f"{length / 1000:.2f}" for length in (box.xlen, box.ylen, box.zlen))
+    lengths = (box.xlen, box.ylen, box.zlen)
+    size = " x ".join(f"{n / 1000:.2f}" for n in lengths if n > FLAT * max(lengths))
     mass = sum(part.metadata.get("mass", 0.0) for part in parts)
     elements = assembly.metadata.get("elements")
-    if elements is None:
-        kind = {part.metadata["material"] for part in parts if "material" in part.metadata}
-        assert not kind
-        words = f"{len(parts)} parts"
-    else:
+    words = f"{len(parts)} parts"
+    if elements is not None:
         kind = {ifs.Shell: "panels", ifs.Vault: "planks", ifs.WireFrame: "beams"}[type(elements)]
         words = f"{len(parts)} {kind} of {elements.material.name}"
-    return f"*{words}{f', {mass:.0f} kg' * (mass > 0)}, {size} m*"
+    weight = f", {mass:.0f} kg" if mass else ""
+    return f"*{words}{weight}, {size} m.*"
 
 
 def _draw(assembly: cq.Assembly, name: str) -> None:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.patches import Arc
+
+import ifs_cad as ifs
 from drawings.gallery import shown
 from drawings.style import (
     CONTROL,
@@ -16,16 +19,13 @@ from drawings.style import (
     save,
     sheet,
 )
-from matplotlib.patches import Arc
-
-import ifs_cad as ifs
 
 THICKNESS = 30.0
 PROFILE = np.array([(0, 0), (190, 120), (400, 130), (560, -10)], dtype=float)
 
 
 def section() -> None:
-    """A section across three panels: thickness, offset faces, bisector planes, chamfer angle."""
+    """Draw a section across three panels: thickness, offset, bisector planes, chamfer angle."""
     profile = np.column_stack([PROFILE[:, 0], np.zeros(4), PROFILE[:, 1]])
     shell = ifs.thicken(ifs.vector_sum(profile, [(0, 0, 0), (0, 100, 0)]), THICKNESS, side="inner")
     if shell.normals[:, 2].mean() < 0:
@@ -68,7 +68,9 @@ def _mark_thickness(axis) -> None:
     inward = np.array([along[1], -along[0]])
     foot = PROFILE[0] + 90 * along
     axis.annotate(
-        "", foot, foot + THICKNESS * inward,
+        "",
+        foot,
+        foot + THICKNESS * inward,
         arrowprops={"arrowstyle": "<|-|>", "color": SUBDIVISION, "shrinkA": 0, "shrinkB": 0},
     )
     _say(axis, "thickness", foot + 1.25 * THICKNESS * inward + (4, -10), SUBDIVISION)
@@ -84,7 +86,7 @@ def _mark_angle(axis, node, along, cut) -> None:
     low, high = min(first, second), max(first, second)
     axis.add_patch(Arc(node, 150, 150, theta1=low, theta2=high, color=SUBDIVISION, lw=1.4))
     place = node + 84 * np.array([np.cos(np.radians(first)), np.sin(np.radians(first))])
-    _say(axis, f"chamfer angle {high - low:.0f}°", place + (-150, -22), SUBDIVISION)
+    _say(axis, f"chamfer angle {high - low:.0f}°", place - np.array([150, 22]), SUBDIVISION)
 
 
 def _say(axis, words, place, colour) -> None:
@@ -92,7 +94,7 @@ def _say(axis, words, place, colour) -> None:
 
 
 def node() -> None:
-    """The offset faces around one node, from above: plain, relieved, on node axes."""
+    """Draw the offset faces around one node, from above: plain, relieved, on node axes."""
     a = np.array([(0, 0, 0), (100, 20, 75), (210, -10, 80)])
     b = np.array([(0, 0, 0), (60, 100, 45), (70, 220, 40)])
     figure, axes = sheet(3, 10, 2.9)
@@ -125,7 +127,7 @@ def node() -> None:
 
 
 def foot() -> None:
-    """The first panels of the prototype's foot, seen from inside."""
+    """Draw the first panels of the prototype's foot, seen from inside."""
     shell = shown("shell_prototype").metadata["elements"]
     part = ifs.to_assembly(shell.part(["00*", "01*"]), label="engraved", holes=ifs.Holes())
     ifs.render(part, PICTURES / "foot.png", width=1200, height=900, azimuth=20, elevation=-25)

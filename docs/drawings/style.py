@@ -82,7 +82,11 @@ def subdivision_points(axis: Axes, curve: ifs.Curve, plane: str = "xy") -> None:
 
 
 def write_beside(
-    axis: Axes, names: Mapping[str, ArrayLike], plane: str, colour: str, offset: tuple[int, int] = (5, 5)
+    axis: Axes,
+    names: Mapping[str, ArrayLike],
+    plane: str,
+    colour: str,
+    offset: tuple[int, int] = (5, 5),
 ) -> None:
     """Write names beside points, in points of print."""
     x, y = _axes(plane)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+
+import ifs_cad as ifs
 from drawings.style import (
     CONTROL,
     FOUR,
@@ -17,14 +19,12 @@ from drawings.style import (
     sheet,
 )
 
-import ifs_cad as ifs
-
 ARCH = [(0, 0, 0), (0, 0, 2400), (3000, 0, 2400), (3000, 0, 0)]
 RIDGE = [(0, 0, 0), (0, 900, 450), (0, 1800, 0)]
 
 
 def vector_sum() -> None:
-    """Two curves, and the surface with one of its faces as a sum of two segments."""
+    """Draw two curves, and the surface with one of its faces as a sum of two segments."""
     a = ifs.Curve(ARCH, depth=3)
     b = ifs.Curve(RIDGE, depth=2).with_roughness(0.4)
     mesh = ifs.vector_sum(a, b)
@@ -40,8 +40,12 @@ def vector_sum() -> None:
                 text = f"${name}_{k}$" if k or name == "A" else "$A_0 = B_0$"
                 offset = (-20, -4) if name == "A" else (0, -15)
                 axis.annotate(
-                    text, camera(curve.points[k]), offset, textcoords="offset points",
-                    color=colour, path_effects=[HALO],
+                    text,
+                    camera(curve.points[k]),
+                    offset,
+                    textcoords="offset points",
+                    color=colour,
+                    path_effects=[HALO],
                 )
     i, j = 3, 2  # the corner M_ij and the two steps that lead to it
     corner = mesh.vertices[mesh.lattice[i, j]]
@@ -52,7 +56,9 @@ def vector_sum() -> None:
         (mesh.vertices[mesh.lattice[0, j]], CONTROL),
     ):
         axes[1].annotate(
-            "", camera(corner), camera(start),
+            "",
+            camera(corner),
+            camera(start),
             arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.4, "ls": "--"},
         )
     axes[1].plot(*camera(corner), "o", color=INK, ms=5)
@@ -69,7 +75,7 @@ def vector_sum() -> None:
 
 
 def addresses() -> None:
-    """The first digits of the addresses of a surface, coarse to fine."""
+    """Draw the first digits of the addresses of a surface, coarse to fine."""
     a = [ifs.Curve([(0, 0), (1000, -250), (2000, -150), (2900, 300)], depth=d) for d in (1, 2, 3)]
     b = [ifs.Curve([(0, 0), (-300, 700), (0, 1600)], depth=d) for d in (1, 2, 3)]
     figure, axes = sheet(3, 10.5, 3.0)
@@ -86,7 +92,7 @@ def addresses() -> None:
 
 
 def folds() -> None:
-    """A rough shell and an evenly folded one, coloured by the gap at their nodes."""
+    """Draw a rough shell and an evenly folded one, coloured by the gap at their nodes."""
     arch = ifs.Curve(ARCH, depth=3)
     across = ifs.Curve([(0, 0, 0), (0, 900, 200), (0, 1800, 0)], depth=3)
     shells = (

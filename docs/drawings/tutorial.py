@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ifs_cad as ifs
 from drawings.style import (
     CONTROL,
     FOUR,
@@ -16,8 +17,6 @@ from drawings.style import (
     sheet,
     subdivision_points,
 )
-
-import ifs_cad as ifs
 from ifs_cad.export.drawing import sheet_svg
 
 ARCH = ifs.Curve([(0, 0, 0), (0, 0, 2400), (3000, 0, 2400), (3000, 0, 0)], depth=3)
@@ -31,7 +30,7 @@ def _shell() -> ifs.Shell:
 
 
 def tutorial_curves() -> None:
-    """The arch, and the curve across: smooth and rough."""
+    """Draw the arch, and the curve across: smooth and rough."""
     figure, axes = sheet(3, 10, 2.9)
     control_polygon(axes[0], ARCH, "xz")
     plot(axes[0], ARCH.points, "o-", plane="xz", color=WOOD, lw=2.2, ms=3.5)
@@ -49,14 +48,18 @@ def tutorial_curves() -> None:
 
 
 def tutorial_surface() -> None:
-    """The surface, every face with its address."""
+    """Draw the surface, every face with its address."""
     mesh, camera = ifs.vector_sum(ARCH, FOLD), Camera(-50, 35)
     figure, (axis,) = sheet(1, 8, 5)
     middles = draw_mesh(axis, mesh, camera, [FOUR[int(a[1])] for a in mesh.addresses])
     seen = mesh.normals @ camera.back > 0.15
     for number in seen.nonzero()[0]:
         axis.text(
-            *middles[number], mesh.addresses[number], ha="center", va="center", fontsize=9,
+            *middles[number],
+            mesh.addresses[number],
+            ha="center",
+            va="center",
+            fontsize=9,
             color=INK,
         )
     axis.plot(*camera(ARCH.points).T, color=CONTROL, lw=2)
@@ -65,13 +68,13 @@ def tutorial_surface() -> None:
 
 
 def tutorial_shell() -> None:
-    """The panels."""
+    """Draw the panels."""
     assembly = ifs.to_assembly(_shell(), label=LABEL, holes=HOLES)
     ifs.render(assembly, PICTURES / "tutorial_shell.png", azimuth=-50, width=1200, height=800)
 
 
 def tutorial_sheet() -> None:
-    """The drawing of the first nested sheet."""
+    """Draw the drawing of the first nested sheet."""
     pieces = ifs.workpieces(_shell(), label=LABEL, holes=HOLES)
     layout = ifs.nest(pieces, ifs.read_stock().sheets_of(12), spacing=15)
     text = sheet_svg(layout.sheets[0], pieces)
