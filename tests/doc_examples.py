@@ -6,6 +6,7 @@
 - Under the comment ``<!-- options only: why -->``, commands are read but not obeyed.
 - Under ``<!-- needs: freecadcmd -->`` a block, and the output below it, is passed over where that
   program is not installed.
+- Under ``<!-- not run: why -->`` a block is passed over too, but for its syntax when it is Python.
 - Other languages (``text``, ``ini``, ``json``) are there to be read.
 """
 
@@ -42,6 +43,7 @@ PRINTED = (
     "_printed"  # in the namespace of a page: what its last block printed; None when it did not run
 )
 NEEDS = re.compile(r"^<!-- needs: (\S+) -->\s*\Z", re.MULTILINE)
+NOT_RUN = re.compile(r"^<!-- not run: \S.* -->\s*\Z", re.MULTILINE)
 CHECKER = doctest.OutputChecker()
 LAX = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
@@ -57,17 +59,26 @@ def examples(page: Path) -> Iterator[Example]:
     yield from Document.parse(str(page), *parsers).examples()
 
 
+def run_page(page: Path) -> None:
+    """Run the blocks of a page in the present folder; raise at the first that is wrong."""
+    for example in examples(page):
+        example.evaluate()
+
+
 def evaluate(example: Example) -> str | None:
     """Run, read or compare one block; return what is wrong with it."""
     block = example.document.text[example.start : example.end]
     if file := CAPTION.match(block):
         Path(file.group(1)).write_text(example.parsed, encoding="utf-8")
         return None
-    needs = NEEDS.search(example.document.text[: example.start])
-    if needs and shutil.which(needs[1]) is None:
+    language, before = example.region.lexemes["arguments"], example.document.text[: example.start]
+    needs = NEEDS.search(before)
+    if NOT_RUN.search(before) or (needs and shutil.which(needs[1]) is None):
+        if language == "python":
+            compile(example.parsed, example.path, "exec")
         example.namespace[PRINTED] = None
         return None
-    match example.region.lexemes["arguments"]:
+    match language:
         case "python":
             return run_python(example)
         case "sh":
@@ -86,9 +97,9 @@ def run_python(example: Example) -> None:
 
 def run_shell(example: Example) -> str | None:
     if OPTIONS_ONLY.search(example.document.text[: example.start]):
-        for line in str(example.parsed).replace("\\\n", " ").splitlines():
-            read_command(shlex.split(line, comments=True))
-        return None
+        lines = str(example.parsed).replace("\\\n", " ").splitlines()
+        faults = [read_command(shlex.split(line, comments=True)) for line in lines]
+        return "\n".join(filter(None, faults)) or None
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", example.parsed],
@@ -101,18 +112,23 @@ def run_shell(example: Example) -> str | None:
     return None if done.returncode == 0 else f"exit code {done.returncode}\n{done.stderr}"
 
 
-def read_command(words: list[str]) -> None:
-    """Raise unless a command line of `ifs-cad` or `make` is one that they understand."""
+def read_command(words: list[str]) -> str | None:
+    """Return what `ifs-cad` or `make` would not understand in a command line of theirs."""
     match words:
-        case ["ifs-cad", *rest]:
+        case ["ifs-cad", name, *rest]:
             group = cast(TyperGroup, typer.main.get_command(cli.app))
-            context = group.make_context("ifs-cad", rest)
-            name, command, rest = group.resolve_command(
-                context, [*context._protected_args, *context.args]
-            )
-            command.make_context(name, rest, parent=context)
+            context = group.make_context("ifs-cad", [name])
+            command = group.get_command(context, name)
+            if command is None:
+                return f"ifs-cad has no command {name}"
+            try:
+                command.make_context(name, rest, parent=context)
+            except Exception as error:  # of a class that depends on the version of typer
+                return f"ifs-cad {name}: {error}"
         case ["make", target]:
-            assert re.search(rf"^{target}:", MAKEFILE.read_text(), re.MULTILINE), f"no {target}"
+            if not re.search(rf"^{target}:", MAKEFILE.read_text(encoding="utf-8"), re.MULTILINE):
+                return f"The Makefile has no target {target}"
+    return None
 
 
 def compare(example: Example) -> str | None:

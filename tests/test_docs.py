@@ -9,14 +9,16 @@ import sys
 from pathlib import Path
 
 import pytest
-from doc_examples import LANGUAGES, TO_READ, examples, languages
+from doc_examples import LANGUAGES, TO_READ, languages, run_page
 from sphinx.util.inventory import InventoryFile
+from sybil.example import SybilFailure
 
 import ifs_cad
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(p for p in DOCS.rglob("*.md") if p.name[0] != "_")]
+UNRUN = "<!-- options only: slow -->\n"
 PARTS = sorted((ROOT / "parts").glob("*.py"))
 
 
@@ -30,8 +32,26 @@ def test_blocks_of_page_run(page, tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.setenv("OCP_PORT", "1")  # nothing listens there, so pages show nothing to anybody
     (tmp_path / "parts").symlink_to(ROOT / "parts")
-    for example in examples(page):
-        example.evaluate()
+    run_page(page)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("```python\n1 / 0\n```\n", ZeroDivisionError),
+        ("```python\nprint(1)\n```\n\n```output\n2\n```\n", SybilFailure),
+        ("<!-- not run: why -->\n```python\nif\n```\n", SyntaxError),
+        ("```sh\nfalse\n```\n", SybilFailure),
+        (f"{UNRUN}```sh\nifs-cad build a.py --colour red\n```\n", SybilFailure),
+        (f"{UNRUN}```sh\nmake coffee\n```\n", SybilFailure),
+    ],
+    ids=["python", "output", "syntax", "sh", "option", "target"],
+)
+def test_wrong_block_is_noticed(text, error, tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(text, encoding="utf-8")
+    with pytest.raises(error):
+        run_page(page)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
