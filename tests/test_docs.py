@@ -18,6 +18,7 @@ import ifs_cad
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(p for p in DOCS.rglob("*.md") if p.name[0] != "_")]
+SLOW = {"README.md", "tutorial.md"}
 UNRUN = "<!-- options only: slow -->\n"
 PARTS = sorted((ROOT / "parts").glob("*.py"))
 
@@ -26,7 +27,14 @@ def name(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if languages(p) & {*LANGUAGES}], ids=name)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, id=name(page), marks=[pytest.mark.slow] * (page.name in SLOW))
+        for page in PAGES
+        if languages(page) & {*LANGUAGES}
+    ],
+)
 def test_blocks_of_page_run(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
