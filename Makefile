@@ -1,6 +1,7 @@
 # make shell   the main job: install, then build the prototype shell as one STEP file
 # make test    install, then run every test
 # make bench   speed, size and memory beside the alternatives, as ratios
+# make docs    the documentation as a site, build/docs/index.html
 # make pictures  draw the pictures of the documentation anew
 # Another interpreter: make shell PYTHON=python3.12
 
@@ -12,7 +13,7 @@ VENV := .venv
 BIN  := $(VENV)/bin
 PIP  := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: shell test lint bench pictures clean distclean
+.PHONY: shell test lint bench docs pictures clean distclean
 
 shell: $(VENV)/.installed
 	$(BIN)/ifs-cad build parts/shell_prototype.py -o $(OUT)/
@@ -27,6 +28,10 @@ lint: $(VENV)/.installed-for-development
 
 bench: $(VENV)/.installed-for-development
 	$(BIN)/python benchmarks/run.py
+
+docs: $(VENV)/.installed-for-development
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
+	@echo "Open build/docs/index.html"
 
 pictures: $(VENV)/.installed-for-development
 	$(BIN)/python docs/make_pictures.py
