@@ -65,7 +65,7 @@ def analyse_nonlinear(
     InstabilityError
         The shell buckles or snaps through below the full load; `load_share` is the share of it
         up to which equilibrium was found, to within 1 / (32 steps) of the load, and `deflection`
-        (mm) the largest |u_z| there.
+        (mm) the largest ``|u_z|`` there.
     MechanismError, InputError, MissingLibraryError
         As for `analyse`.
     """
