@@ -9,16 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from ifs_cad.elements.colouring import Colouring
 from ifs_cad.files import replaced
 from ifs_cad.structure.result import Result
 from ifs_cad.types import IntArray
-from ifs_cad.view.render import drawn
+from ifs_cad.view._drawing import drawn
+from ifs_cad.view._scene import centred, legend
 
-RAMP = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)])
-"""Anchors of viridis, which also the colour-blind and printers tell apart."""
-SHADES = 64
 SEEN = 0.05  # of the shell's size, up to which the largest displacement is magnified
-ZOOM = 0.85  # leaves room for the scale of colours
 INK = (60, 60, 60, 255)
 FORMER = (170, 170, 170, 255)  # of the lines of the shell without load
 
@@ -64,7 +62,7 @@ def render_deformed(
     scale = magnification(result) if scale is None else scale
     scene = _scene(result, scale) | {
         "size": np.array([width, height]),
-        "view": np.array([azimuth, elevation, ZOOM]),
+        "view": np.array([azimuth, elevation, 1.0]),
         "background": np.ones(3),
     }
     picture = drawn(scene)
@@ -77,29 +75,21 @@ def _scene(result: Result, scale: float) -> dict[str, Any]:
     points = np.concatenate([result.deformed(scale), grid.nodes])
     sunk = np.abs(result.displacements[:, 2])
     triangles = grid.quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
-    shades = _shades()
-    high = float(sunk.max()) or 1.0
-    shade = np.rint(sunk[triangles].mean(axis=1) / high * (SHADES - 1)).astype(int)
+    of_triangle = sunk[triangles].mean(axis=1)
+    title = f"|u_z|, mm, drawn {scale:g} x"
+    colouring = Colouring(title, of_triangle, low=0.0, high=float(sunk.max()) or 1.0)
+    opaque = np.full(len(triangles), 255, np.uint8)
     edges = np.stack([grid.edges[:, :-1], grid.edges[:, 1:]], axis=-1).reshape(-1, 2)
-    return {
-        "points": points - (points.min(axis=0) + points.max(axis=0)) / 2,
+    scene = {
+        "points": points,
         "triangles": triangles,
-        "triangle_colors": np.column_stack([shades[shade], np.full(len(shade), 255, np.uint8)]),
+        "triangle_colors": np.column_stack([colouring.colours, opaque]),
         "lines": np.concatenate([edges, edges + len(grid.nodes)]),
         "line_colors": np.repeat(np.array([INK, FORMER], np.uint8), len(edges), axis=0),
         "strokes": _none(),
         "stroke_colors": np.empty((0, 4), np.uint8),
-        "legend": shades,
-        "legend_range": np.array([0.0, high]),
-        "legend_title": np.array(f"|u_z|, mm\n(drawn {scale:g} x)"),
     }
-
-
-def _shades() -> Any:
-    """Return (SHADES, 3) uint8 colours from low to high."""
-    at = np.linspace(0, len(RAMP) - 1, SHADES)
-    columns = [np.interp(at, np.arange(len(RAMP)), column) for column in RAMP.T]
-    return np.rint(np.column_stack(columns)).astype(np.uint8)
+    return centred(scene | legend(colouring), points)
 
 
 def _none() -> IntArray:
