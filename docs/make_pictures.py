@@ -1,17 +1,25 @@
 """Make the pictures of the documentation and the gallery of all parts.
 
-python docs/make_pictures.py (needs matplotlib)
+python docs/make_pictures.py [NAME ...] (needs matplotlib, playwright and chromium)
 """
 
 from __future__ import annotations
 
 import ast
+import os
+import shutil
+import sys
+from contextlib import suppress
 from pathlib import Path
 from runpy import run_path
+from signal import SIGINT
+from subprocess import DEVNULL, Popen
+from tempfile import TemporaryDirectory
 
 import cadquery as cq
 import matplotlib as mpl
 import numpy as np
+from playwright.sync_api import Error, sync_playwright
 
 import ifs_cad as ifs
 
@@ -93,6 +101,55 @@ def prototype() -> None:
     ifs.render(foot, PICTURES / "addresses.png", width=1200, azimuth=20, elevation=-25)
 
 
+def sheets() -> None:
+    """Draw the prototype in four parts, in the colours of the sheets, with its addresses."""
+    ifs.render(
+        shown("shell_prototype"),
+        PICTURES / "sheets.png",
+        width=1200,
+        height=750,
+        azimuth=-38.0,
+        elevation=20.0,
+        colour="sheet",
+        explode=(0.3,),
+        labels=True,
+    )
+
+
+def smooth_to_rough() -> None:
+    """Draw a shell whose cross section goes from smooth to rough, as a moving picture."""
+    arch = ifs.Curve([(0, 0, 0), (0, 0, 2900), (4500, 0, 2900), (4500, 0, 0)], depth=4)
+    fold = ifs.Curve([(0, 0, 0), (0, 1500, 500), (0, 3000, 0)], depth=4)
+    surfaces = (ifs.vector_sum(arch, fold.with_roughness(r)) for r in np.linspace(0, 0.45, 16))
+    shells = (ifs.thicken(surface, 20.0, side="outer") for surface in surfaces)
+    look = {"width": 560, "height": 350, "azimuth": -50.0, "elevation": 18.0}
+    ifs.animate(shells, PICTURES / "smooth_to_rough.gif", seconds=3, there_and_back=True, **look)
+
+
+def preview() -> None:
+    """Take a picture of the viewer's page with the prototype in it; needs a viewer and chromium."""
+    with TemporaryDirectory() as home, sync_playwright() as playwright:
+        port = "3977"
+        viewer = [sys.executable, "-m", "ocp_viewer", "--host", "127.0.0.1", "--port", port]
+        with Popen(viewer, env={**os.environ, "HOME": home}, stdout=DEVNULL) as server:
+            browser = playwright.chromium.launch(
+                executable_path=shutil.which("chromium"),
+                args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+            )
+            page = browser.new_page(viewport={"width": 1100, "height": 650})
+            page.set_default_timeout(120_000)
+            while server.poll() is None:  # until it serves the page
+                with suppress(Error):
+                    page.goto(f"http://127.0.0.1:{port}/viewer")
+                    break
+            page.get_by_text("Eye").wait_for()
+            assembly = shown("shell_prototype")
+            ifs.show(assembly, "shell_prototype", colour="area", port=int(port), timeout=120)
+            page.screenshot(path=PICTURES / "preview.png")
+            browser.close()
+            server.send_signal(SIGINT)
+
+
 def gallery() -> None:
     """Draw every part, and write the page that shows them."""
     page = ["# Gallery", "", "Every picture is one script in `parts/`, drawn by `ifs.render`.", ""]
@@ -122,6 +179,7 @@ def shown(name: str) -> cq.Assembly:
 if __name__ == "__main__":
     for folder in (PICTURES, GALLERY):
         folder.mkdir(exist_ok=True)
-    for make in (curves, node, prototype, gallery):
-        make()
-        print(f"{make.__name__}: done")
+    for make in (curves, node, prototype, sheets, smooth_to_rough, preview, gallery):
+        if not sys.argv[1:] or make.__name__ in sys.argv[1:]:
+            make()
+            print(f"{make.__name__}: done")

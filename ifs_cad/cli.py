@@ -1,4 +1,4 @@
-"""The command line: ``ifs-cad build``, ``check``, ``analyse``, ``fabricate``, ``render`` and others.
+"""The command line: ``ifs-cad build``, ``check``, ``fabricate``, ``render`` and others.
 
 Exit codes: 0 done, 1 an error or a failed check, 2 a wrong command line, 130 interrupted.
 """
@@ -58,7 +58,7 @@ def _setting(text: str) -> tuple[str, str]:
 
 def _sweep(text: str) -> tuple[str, str, str]:
     name, value = _setting(text)
-    begin, colon, end = value.partition(":")
+    begin, _, end = value.partition(":")
     try:
         float(begin), float(end)
     except ValueError:
@@ -390,12 +390,12 @@ def _draw(job: str, arguments: dict[str, Any], output: Path, quiet: bool) -> Non
 def _explode(text: str) -> float | list[float]:
     """Read one factor for all digits, or a factor for each."""
     try:
-        factors = [float(part) for part in text.split(",")]
+        factors = [float(part) for part in text.removesuffix(",").split(",")]
     except ValueError:
         raise typer.BadParameter(
             f"--explode takes numbers with commas between, not {text!r}."
         ) from None
-    return factors[0] if "," not in text else factors
+    return factors if "," in text else factors[0]
 
 
 def _values(begin: str, end: str, frames: int | None) -> list[str]:

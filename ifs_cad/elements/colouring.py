@@ -84,7 +84,7 @@ class Colouring:
         known = values[np.isfinite(values)]
         if values.ndim != 1 or not known.size:
             raise InputError(f"Nothing is known of {self.title}: no element has a value.")
-        if self.names and not (0 <= known.min() and known.max() < len(self.names)):
+        if self.names and not (known.min() >= 0 and known.max() < len(self.names)):
             raise InputError(f"The values of {self.title} must number its {len(self.names)} names.")
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
@@ -153,7 +153,7 @@ def distinct(count: int) -> Bytes:
     """Return (count, 3) uint8, colours that are told apart; after 24 they begin again."""
     rounds = [255 - paler * (255 - APART) for paler in PALER]
     table = np.rint(np.concatenate(rounds)).astype(np.uint8)
-    return table[np.arange(count) % len(table)]
+    return np.asarray(table[np.arange(count) % len(table)])
 
 
 def by_shape(elements: Elements, quantity: str) -> Colouring:

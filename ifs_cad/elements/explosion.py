@@ -41,7 +41,7 @@ def explosion(elements: Elements, explode: Explode) -> FloatArray:
         A factor that is negative or no number.
     """
     single = isinstance(explode, int | float)
-    factors = [float(factor) for factor in ([explode] if single else explode)]  # type: ignore[list-item]
+    factors = [float(explode)] if isinstance(explode, int | float) else [*map(float, explode)]
     if not all(math.isfinite(factor) and factor >= 0 for factor in factors):
         raise InputError(f"Pieces move apart by factors of 0 or more, got {explode}.")
     solids = elements.solids

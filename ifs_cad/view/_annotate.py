@@ -18,7 +18,8 @@ from collections.abc import Callable
 
 import numpy as np
 import vtkmodules.vtkRenderingFreeType  # noqa: F401  without it VTK draws no letters
-from vtkmodules.vtkCommonCore import vtkLookupTable
+from scipy.ndimage import maximum_filter
+from vtkmodules.vtkCommonCore import vtkLookupTable, vtkVariant
 from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkTextActor
 
@@ -71,10 +72,10 @@ def annotated(
 def _legend(scene: Scene) -> vtkRenderer:
     """Return a scale of colours, or one field for each name, at the right edge."""
     colors = scene["legend"]
-    names = scene.get("legend_names")
-    if names is not None and len(names) > NAMES_SHOWN:
-        more = f"and {len(names) - NAMES_SHOWN} more"
-        names = [*names[:NAMES_SHOWN], more]
+    named = "legend_names" in scene
+    names = scene["legend_names"].tolist() if named else []
+    if len(names) > NAMES_SHOWN:
+        names = [*names[:NAMES_SHOWN], f"and {len(names) - NAMES_SHOWN} more"]
         colors = np.concatenate([colors[:NAMES_SHOWN], [(255, 255, 255)]])
     table = vtkLookupTable()
     table.SetNumberOfTableValues(len(colors))
@@ -85,21 +86,21 @@ def _legend(scene: Scene) -> vtkRenderer:
     bar.SetTitle(str(scene["legend_title"]))
     pixels = int(LETTERS * scene["size"][1]) * FINE
     tall = 0.45
-    if names is None:
+    if not named:
         table.SetTableRange(*scene["legend_range"])
         bar.SetNumberOfLabels(5)
         bar.SetLabelFormat("{:.3g}")
     else:
         table.IndexedLookupOn()
         for number, name in enumerate(names):
-            table.SetAnnotation(number, str(name))
+            table.SetAnnotation(vtkVariant(number), name)
         bar.SetDrawTickLabels(False)
         tall = min(0.9, NAME_HEIGHT * len(colors) + 0.06)
     bar.UnconstrainedFontSizeOn()
     bar.SetWidth(MARGIN * 0.55)
     bar.SetHeight(tall)
     bar.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
-    bar.SetPosition(1 - MARGIN * (0.85 if names is None else 0.6), 0.95 - tall)
+    bar.SetPosition(1 - MARGIN * (0.6 if named else 0.85), 0.95 - tall)
     words = (
         bar.GetTitleTextProperty(),
         bar.GetLabelTextProperty(),
@@ -141,7 +142,9 @@ def _labels(
     size = np.minimum(room[:, 0] / (LETTER_WIDTH * lengths), room[:, 1])
     size = np.minimum(size, LARGEST_LABEL * height)
     is_seen = (np.maximum(np.abs(x), np.abs(y)) < 1) & (cosine > TOWARDS)
-    is_seen &= (z <= ground[row, column] + BEHIND) & (size >= SMALLEST_LABEL)
+    # of a slanting face the next pixel may be much deeper
+    is_seen &= z <= maximum_filter(ground, size=3)[row, column] + BEHIND
+    is_seen &= size >= SMALLEST_LABEL
     if not is_seen.any():
         return None
     renderer = vtkRenderer()

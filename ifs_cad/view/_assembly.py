@@ -106,8 +106,7 @@ def view_of(thing: Any, colour: str | Colouring = MATERIAL, explode: Explode = 0
     assembly = viewable(thing)
     is_exploded = bool(np.any(explode))
     if colour == MATERIAL and not is_exploded:
-        groups = _groups(assembly)
-        return View(assembly, tuple(_group(one, place, 0.0) for one, place in groups))
+        return View(assembly, tuple(_group(*found, 0.0) for found in _groups(assembly)))
     assembly = _copy(assembly)
     groups = [_group(one, place, explode) for one, place in _groups(assembly)]
     if not groups:
@@ -125,9 +124,7 @@ def view_of(thing: Any, colour: str | Colouring = MATERIAL, explode: Explode = 0
 def parts(assembly: cq.Assembly) -> list[Part]:
     """List the shapes of an assembly where they stand, each with its colour (None: not given)."""
     return [
-        (shape.moved(location), color)
-        for shape, _, location, color in assembly
-        if _has_edge(shape)
+        (shape.moved(location), color) for shape, _, location, color in assembly if _has_edge(shape)
     ]
 
 
@@ -239,5 +236,3 @@ def _shell_assembly(thing: Any) -> cq.Assembly:
     from ifs_cad.kernel.assembly import to_assembly
 
     return to_assembly(thing)
-
-

@@ -49,9 +49,7 @@ def depths(renderer: vtkRenderer, camera: vtkCamera, width: int, height: int) ->
     return values.reshape(height, width)[::-1]
 
 
-def _window(
-    renderer: vtkRenderer, camera: vtkCamera, width: int, height: int
-) -> vtkRenderWindow:
+def _window(renderer: vtkRenderer, camera: vtkCamera, width: int, height: int) -> vtkRenderWindow:
     renderer.SetActiveCamera(camera)
     renderer.ResetCameraClippingRange()
     window = vtkRenderWindow()

@@ -105,7 +105,8 @@ def _collected(shape: cq.Shape, known: dict[TopoDS_TShape, Triangulation]) -> Tr
 
 def _located(shape: TopoDS_Shape) -> Iterator[tuple[tuple[float, ...], TopoDS_Shape]]:
     """Yield all faces, then the edges without a face, each with the matrix of its place."""
-    last, matrix = None, ()
+    last: TopLoc_Location | None = None
+    matrix: tuple[float, ...] = ()
     for kind, outside in ((FACE, NOWHERE), (EDGE, FACE)):
         explorer = TopExp_Explorer(shape, kind, outside)
         while explorer.More():
@@ -146,7 +147,7 @@ def _rim(triangles: Rows) -> Rows:
     sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     keys = sides[:, 0] * (triangles.max() + 1) + sides[:, 1]
     _, first, count = np.unique(keys, return_index=True, return_counts=True)
-    return sides[first[count == 1]]
+    return np.asarray(sides[first[count == 1]])
 
 
 def _edges(face: TopoDS_Face, mesh: Poly_Triangulation, place: TopLoc_Location) -> Rows:

@@ -318,8 +318,8 @@ def _box(corner: FloatArray, side: float) -> Node:
             quads.append(face if area @ outward > 0 else face[::-1])
             normals += [outward] * 4
     points = corner + side * np.concatenate(quads)
-    starts = 4 * np.arange(6)[:, None]
-    triangles = np.concatenate([starts + (0, 1, 2), starts + (0, 2, 3)], axis=1)
+    halves = np.array([(0, 1, 2), (0, 2, 3)])
+    triangles = 4 * np.arange(6)[:, None, None] + halves
     rims = points.reshape(6, 4, 3)
     edges = np.stack([rims, np.roll(rims, -1, axis=1)], axis=2).reshape(-1, 2, 3)
     return _instance(points, np.array(normals), triangles, edges, np.full(6, 2))

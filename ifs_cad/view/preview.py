@@ -63,8 +63,8 @@ def show(
 
     Panels and planks that `to_assembly` made are sent as flat faces, with addresses and holes as
     lines on them, which takes a fraction of a second. Everything else, and all of it with `exact`,
-    is triangulated by the viewer's client; it measures only what came that way. The viewers' protocol
-    replaces the whole model each time: no part of it can be sent alone.
+    is triangulated by the viewer's client; it measures only what came that way. The protocol of the
+    viewers replaces the whole model each time: no part of it can be sent alone.
 
     Parameters
     ----------
@@ -191,7 +191,8 @@ def _with_stand_ins(view: View) -> tuple[cq.Assembly, dict[str, Group]]:
         solids = group.elements.solids
         points = solids.vertices + group.shifts[solids.solid_of_vertex]
         low, high = points.min(axis=0), points.max(axis=0)
-        box = cq.Solid.makeBox(*(high - low).tolist(), cq.Vector(*low.tolist()))
+        length, width, height = (high - low).tolist()
+        box = cq.Solid.makeBox(length, width, height, cq.Vector(*low.tolist()))
         return cq.Assembly(box, loc=assembly.loc, name=name)
 
     return (replaced(view.assembly), stand_ins) if plain else (view.assembly, {})

@@ -2,9 +2,9 @@
 
 It reads requests, each a line of JSON ``{"job": ..., "arguments": {...}}``, from its standard
 input, and writes a line of JSON to its standard output for each event: ``stage`` and ``text``
-while it works, ``result`` or ``error`` at the end of each job. OpenCascade prints to standard output too, so
-the events go through a private copy of it. When the standard input ends, the parent is gone and
-the worker ends itself.
+while it works, ``result`` or ``error`` at the end of each job. OpenCascade prints to standard
+output too, so the events go through a private copy of it. When the standard input ends, the parent
+is gone and the worker ends itself.
 """
 
 from __future__ import annotations
