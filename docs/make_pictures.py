@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from runpy import run_path
 from signal import SIGINT
+from socket import socket
 from subprocess import DEVNULL, Popen
 from tempfile import TemporaryDirectory
 
@@ -128,8 +129,10 @@ def smooth_to_rough() -> None:
 
 def preview() -> None:
     """Take a picture of the viewer's page with the prototype in it; needs a viewer and chromium."""
+    with socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
     with TemporaryDirectory() as home, sync_playwright() as playwright:
-        port = "3977"
         viewer = [sys.executable, "-m", "ocp_viewer", "--host", "127.0.0.1", "--port", port]
         with Popen(viewer, env={**os.environ, "HOME": home}, stdout=DEVNULL) as server:
             browser = playwright.chromium.launch(

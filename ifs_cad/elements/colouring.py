@@ -115,7 +115,8 @@ class Colouring:
             low, high = self.range
             share = (given - low) / ((high - low) or 1.0)
             colours = shades(np.where(is_known, np.clip(share, 0.0, 1.0), 0.0))
-        return np.where(is_known[:, None], colours, np.array(UNKNOWN, dtype=np.uint8))
+        colours[~is_known] = UNKNOWN
+        return colours
 
     @property
     def scale(self) -> Bytes:
@@ -146,7 +147,8 @@ def shades(shares: ArrayLike) -> Bytes:
     """Return (k, 3) uint8, colours of a scale at shares of its length from 0 to 1."""
     at = np.asarray(shares, dtype=float) * (len(VIRIDIS) - 1)
     columns = [np.interp(at, np.arange(len(VIRIDIS)), column) for column in VIRIDIS.T]
-    return np.rint(np.column_stack(columns)).astype(np.uint8)
+    coloured: Bytes = np.rint(np.column_stack(columns)).astype(np.uint8)
+    return coloured
 
 
 def distinct(count: int) -> Bytes:

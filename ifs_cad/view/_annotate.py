@@ -8,7 +8,8 @@ legend_range : (2,) float, the values at the ends of a scale
 legend_names : (k,) text, instead of a range
 labels : (m,) text, optional
 label_points, label_normals : (m, 3) float, the middle of each labelled face and where it faces
-label_sizes : (m, 2) float, the width and height of it that letters may take, mm
+label_axes : (m, 3) float, unit vectors along the longest edge of each
+label_sizes : (m, 2) float, how long it is, and how wide across that, mm
 label_inks : (m, 3) uint8
 """
 
@@ -29,6 +30,7 @@ MARGIN = 0.14  # share of the width that a legend takes
 LETTERS = 0.02  # of a legend, share of the picture's height
 LARGEST_LABEL = 0.035  # share of the picture's height
 SMALLEST_LABEL = 6.0  # pixels: smaller ones cannot be read and are left out
+LETTERS_ROOM = 0.75  # share of a face that letters may take, across and upwards
 LETTER_WIDTH = 0.6  # of a digit, share of the letters' height
 TOWARDS = 0.15  # least cosine between a labelled face and the line of sight
 BEHIND = 2e-4  # how much deeper than the face seen a label's point may lie, share of the range
@@ -136,8 +138,13 @@ def _labels(
     up = np.array(camera.GetViewUp())
     right = np.cross(up, np.array(camera.GetPosition()) - np.array(camera.GetFocalPoint()))
     sides = np.stack([right / np.linalg.norm(right), up], axis=1)
-    slant = np.sqrt(np.clip(1.0 - (normals @ sides) ** 2, 0.0, 1.0))  # narrows a face so drawn
-    room = scene["label_sizes"] * per_mm[:, None] * slant
+    axes = scene["label_axes"]
+    along, across = axes @ sides, np.cross(normals, axes) @ sides
+    drawn = np.stack([np.linalg.norm(side, axis=1) for side in (along, across)], axis=1)
+    room = scene["label_sizes"] * drawn * per_mm[:, None]
+    is_upright = np.abs(along[:, 1]) > np.abs(along[:, 0])
+    room[is_upright] = room[is_upright, ::-1]
+    room *= LETTERS_ROOM
     lengths = np.array([len(text) for text in scene["labels"].tolist()])
     size = np.minimum(room[:, 0] / (LETTER_WIDTH * lengths), room[:, 1])
     size = np.minimum(size, LARGEST_LABEL * height)

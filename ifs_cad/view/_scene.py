@@ -17,7 +17,6 @@ from ifs_cad.view._triangulate import triangulate
 PLYWOOD = (0.87, 0.72, 0.53, 1.0)
 INK = (0.2, 0.15, 0.1, 1.0)  # of lines without a colour
 EDGE_DARKNESS = 0.35  # an edge is its part's colour times this
-LETTERS_WIDE, LETTERS_TALL = 0.75, 0.7  # shares of a face that its label may take
 DARK, LIGHT = (30, 30, 30), (255, 255, 255)  # letters
 LUMINANCE = (0.299, 0.587, 0.114)
 
@@ -126,14 +125,18 @@ def _labels(group: Group) -> Scene:
     middles = np.add.reduceat(corners, solids.face_offsets[:-1]) / sizes[:, None]
     areas = solids.face_areas[faces]
     longest = np.maximum.reduceat(solids.edge_lengths, solids.face_offsets[:-1])[faces]
+    # the first edge of each face that is as long as its longest
+    by_length = np.lexsort((-solids.edge_lengths, solids.face_of_loop))
+    first = by_length[solids.face_offsets[:-1]][faces]
+    along = solids.vertices[solids.heads[first]] - corners[first]
     move = group.place.wrapped.Transformation()
     matrix = np.array([[move.Value(i, j) for j in range(1, 5)] for i in range(1, 4)])
     turn, shift = matrix[:, :3], matrix[:, 3]
-    room = np.stack([LETTERS_WIDE * np.sqrt(areas), LETTERS_TALL * areas / longest], axis=1)
     return {
         "labels": np.array(group.elements.addresses)[owner],
         "label_points": (middles[faces] + group.shifts[owner]) @ turn.T + shift,
         "label_normals": solids.normals[faces] @ turn.T,
-        "label_sizes": room,
+        "label_axes": along / longest[:, None] @ turn.T,
+        "label_sizes": np.stack([longest, areas / longest], axis=1),
         "label_inks": inks[owner],
     }

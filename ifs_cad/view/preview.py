@@ -44,7 +44,7 @@ RELAY_SECONDS = 3.0  # within which a viewer passes even a large model on to an 
 POLL_SECONDS = 0.05
 
 _shown: dict[str, cq.Assembly] = {}  # by `show_object`, in this process
-_on_page: dict[int, tuple[str, str]] = {}  # by port: fingerprint and title of what is there
+_on_page: dict[int, tuple[str | None, str]] = {}  # by port: fingerprint and title of what is there
 
 
 def show(
@@ -80,7 +80,7 @@ def show(
     exact : bool
         Send the solids as they are cut, with pockets and holes.
     only_changed : bool
-        Keep the camera, and send nothing when the page shows the same model already.
+        Keep the camera from the second time on, and send nothing when the page shows the same model already.
     port : int, optional
         Where the viewer listens; without it, the environment variable ``OCP_PORT`` or 3939.
     host : str
@@ -109,7 +109,7 @@ def show(
     viewer = _Viewer(_port(port))
     view = view_of(thing, colour, explode)
     client = _client()
-    viewer.expect_listening()
+    begins = viewer.expect_listening()
     drawn = None if exact else fingerprint(view)
     if only_changed and drawn is not None and viewer.still_shows(drawn):
         return False
@@ -117,6 +117,9 @@ def show(
     title = f"{name.replace('/', '-')} {now}"
     assembly, stand_ins = (view.assembly, {}) if exact else _with_stand_ins(view)
     camera = {"reset_camera": client.Camera.KEEP} if only_changed else {}
+    # a page opened anew has the camera of its splash screen, and the viewer does not tell
+    if begins or viewer.port not in _on_page:
+        camera = {"reset_camera": client.Camera.RESET}
     with _captured_output() as said, _grafting(client, stand_ins):
         try:
             client.set_port(viewer.port, HOSTS[0])
@@ -124,9 +127,7 @@ def show(
         except Exception as error:
             raise ViewerError(f"The viewer's client failed on {name!r}: {error}") from error
     viewer.expect_shown(title, timeout, said.getvalue())
-    _on_page.pop(viewer.port, None)
-    if drawn is not None:
-        _on_page[viewer.port] = (drawn, title)
+    _on_page[viewer.port] = (drawn, title)
     return True
 
 
@@ -240,8 +241,8 @@ class _Viewer:
             '"OCP CAD Viewer: Open viewer".'
         )
 
-    def expect_listening(self) -> None:
-        """Raise ViewerError unless a viewer answers."""
+    def expect_listening(self) -> bool:
+        """Return whether a viewer still shows its splash screen; ViewerError if none answers."""
         try:
             socket.create_connection((HOSTS[0], self.port), LISTEN_SECONDS).close()
         except OSError as error:
@@ -249,16 +250,18 @@ class _Viewer:
                 f"No viewer listens on {self.place}. Start one with: {_start_command(self.port)}, "
                 f"and {self.how_to_look}"
             ) from error
-        if "_splash" not in self.ask("config"):
+        answer = self.ask("config")
+        if "_splash" not in answer:
             other = self.port + 1 if self.port != 65535 else DEFAULT_PORT
             raise ViewerError(
                 f"What listens on {self.place} is not an OCP viewer. Start one on another port, "
                 f"{_start_command(other)}, and say so here by port={other} or OCP_PORT={other}."
             )
+        return bool(answer["_splash"])
 
     def still_shows(self, drawn: str) -> bool:
         """Whether what was last sent from here was the same, and is on the page."""
-        before, title = _on_page.get(self.port, ("", ""))
+        before, title = _on_page.get(self.port, (None, ""))
         return before == drawn and self._shows(title)
 
     def expect_shown(self, title: str, timeout: float, said: str) -> None:
