@@ -109,6 +109,7 @@ class Colouring:
         """Return (k, 3) uint8, the colours of any values."""
         given = np.asarray(values, dtype=float)
         is_known = np.isfinite(given)
+        colours: Bytes
         if self.names:
             colours = distinct(len(self.names))[np.where(is_known, given, 0).astype(int)]
         else:

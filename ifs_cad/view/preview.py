@@ -80,7 +80,8 @@ def show(
     exact : bool
         Send the solids as they are cut, with pockets and holes.
     only_changed : bool
-        Keep the camera from the second time on, and send nothing when the page shows the same model already.
+        Keep the camera from the second time on, and send nothing when the page shows the same
+        model already.
     port : int, optional
         Where the viewer listens; without it, the environment variable ``OCP_PORT`` or 3939.
     host : str
