@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -91,9 +92,14 @@ def _shown(do: Job, arguments: dict[str, Any], files: set[Path], begin: float) -
 def _saves(files: set[Path]) -> Iterator[float]:
     """Yield the time now, then that of each change of one of the files; they may become more."""
     watchfiles = require("watchfiles", "--watch", extra="view")
+    stamps = _stamps(files)
     yield time.monotonic()
     while True:
         folders = {file.parent for file in files}
+        if any(stamps.get(file, stamp) != stamp for file, stamp in _stamps(files).items()):
+            stamps = _stamps(files)
+            yield time.monotonic()  # saved while nobody watched
+        stamps = _stamps(files)
         for changes in watchfiles.watch(
             *folders,
             watch_filter=None,
@@ -107,3 +113,12 @@ def _saves(files: set[Path]) -> Iterator[float]:
                 yield time.monotonic()
             if folders != {file.parent for file in files}:
                 break
+
+
+def _stamps(files: set[Path]) -> dict[Path, int]:
+    """Return when each file was written."""
+    stamps = {}
+    for file in files:
+        with suppress(OSError):
+            stamps[file] = file.stat().st_mtime_ns
+    return stamps
