@@ -1,13 +1,14 @@
 """Make the pictures of the documentation, and the gallery of all parts.
 
-python docs/make_pictures.py [name ...] (needs matplotlib): all of them, or those of these names.
+python docs/make_pictures.py [name ...] makes all of them, or those of these names. It needs
+matplotlib; the preview also playwright and chromium.
 """
 
 from __future__ import annotations
 
 import sys
 
-from drawings import curves, gallery, panels, structure, surfaces, tutorial
+from drawings import curves, gallery, panels, structure, surfaces, tutorial, viewing
 from drawings.style import PICTURES
 
 DRAWINGS = (
@@ -27,6 +28,9 @@ DRAWINGS = (
     tutorial.tutorial_shell,
     tutorial.tutorial_sheet,
     structure.deformed,
+    viewing.sheets,
+    viewing.smooth_to_rough,
+    viewing.preview,
     gallery.gallery_pictures,
     gallery.gallery_page,
 )

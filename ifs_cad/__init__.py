@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from ifs_cad.design_script import to_script
     from ifs_cad.elements.beam import WireFrame
     from ifs_cad.elements.clash import clashes
+    from ifs_cad.elements.colouring import Colouring
     from ifs_cad.elements.fibre import FibreAlongCurve, FibreAlongEdge, FibreTowards
     from ifs_cad.elements.hole import Holes
     from ifs_cad.elements.label import Label
@@ -80,8 +81,10 @@ if TYPE_CHECKING:
     from ifs_cad.structure.support import Support
     from ifs_cad.tolerance import Tolerance
     from ifs_cad.types import Plane
+    from ifs_cad.view.animate import animate
     from ifs_cad.view.deformed import deformed_assembly, render_deformed
     from ifs_cad.view.preview import show, show_object
+    from ifs_cad.view.quantity import colouring
     from ifs_cad.view.render import render
     from ifs_cad.workflow.check import check_step
     from ifs_cad.workflow.fabricate import fabricate
@@ -92,6 +95,7 @@ __all__ = [
     "Analysis",
     "AreaLoad",
     "Board",
+    "Colouring",
     "ConstraintReport",
     "Continuity",
     "Convexity",
@@ -134,6 +138,7 @@ __all__ = [
     "WireFrame",
     "analyse",
     "analyse_nonlinear",
+    "animate",
     "arc",
     "arc_through",
     "check_constraints",
@@ -141,6 +146,7 @@ __all__ = [
     "clamped_knots",
     "clashes",
     "classics",
+    "colouring",
     "conic",
     "cut_boards",
     "cut_list",
@@ -202,6 +208,7 @@ _HOMES = {
     "Analysis": "structure.analysis",
     "AreaLoad": "structure.load",
     "Board": "fabrication.stock",
+    "Colouring": "elements.colouring",
     "ConstraintReport": "design.constraint",
     "Continuity": "design.connection",
     "Convexity": "design.form",
@@ -244,6 +251,7 @@ _HOMES = {
     "WireFrame": "elements.beam",
     "analyse": "structure.analyse",
     "analyse_nonlinear": "structure.nonlinear",
+    "animate": "view.animate",
     "arc": "design.conic",
     "arc_through": "design.conic",
     "check_constraints": "design.constraint",
@@ -251,6 +259,7 @@ _HOMES = {
     "clamped_knots": "design.spline",
     "clashes": "elements.clash",
     "classics": "design",
+    "colouring": "view.quantity",
     "conic": "design.conic",
     "cut_boards": "fabrication.boards.cutting_plan",
     "cut_list": "fabrication.cutlist",
@@ -336,3 +345,10 @@ def _attach_workplane_methods(cadquery: ModuleType) -> None:
     from ifs_cad.kernel import plugin
 
     plugin.attach(cadquery)
+
+
+@when_imported("IPython")
+def _show_in_notebooks(ipython: ModuleType) -> None:
+    from ifs_cad.view import notebook
+
+    notebook.register(ipython)

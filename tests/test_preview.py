@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import http.server
 import io
@@ -21,9 +22,14 @@ from typing import Any
 import cadquery as cq
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+import ifs_cad as ifs
+from ifs_cad.cli import app
 from ifs_cad.errors import InputError, MissingLibraryError, ViewerError
 from ifs_cad.view import preview
+from ifs_cad.view._assembly import view_of
+from ifs_cad.view._viewer_model import NOWHERE, fingerprint, is_plain, tree
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 # software rendering: a test machine may have neither a graphics card nor a screen
@@ -59,6 +65,7 @@ def free_port() -> int:
 @pytest.fixture(autouse=True)
 def nothing_shown_before(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(preview, "_shown", {})
+    monkeypatch.setattr(preview, "_on_page", {})
     monkeypatch.delenv("OCP_PORT", raising=False)
 
 
@@ -154,6 +161,179 @@ def test_a_single_thing_is_on_the_page_when_show_returns(
 ) -> None:
     preview.show(thing, "a/b: 100 %", port=viewer)
     assert "a-b: 100 %" in page.locator("body").inner_text()
+
+
+def small_shell(depth: int = 2) -> cq.Assembly:
+    """16 engraved and drilled panels in four groups by the first digit of their addresses."""
+    arch = ifs.Curve([(0, 0, 0), (0, 0, 1500), (3000, 0, 1500), (3000, 0, 0)], depth=depth)
+    fold = ifs.Curve([(0, 0, 0), (0, 750, 300), (0, 1500, 0)], depth=depth)
+    shell = ifs.thicken(ifs.vector_sum(arch, fold), 20.0)
+    return ifs.to_assembly(shell, label="engraved", holes=ifs.Holes(), nest=1)
+
+
+def shares_of_ends(page: Any) -> tuple[float, float]:
+    """Shares of the page in the violet and the yellow at the ends of a scale, however lit."""
+    image = pytest.importorskip("PIL.Image", reason="pillow is not installed")
+    pixels = np.asarray(image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(int)
+    red, green, blue = np.moveaxis(pixels, -1, 0)
+    violet = (red > 1.3 * green) & (blue > 1.3 * red)
+    yellow = (np.minimum(red, green) > 1.8 * blue) & (red > 120) & (red > 0.9 * green)
+    return float(violet.mean()), float(yellow.mean())
+
+
+@pytest.mark.browser
+def test_a_shell_is_on_the_page_with_its_tree_colours_and_legend(page: Any, viewer: int) -> None:
+    assembly = small_shell()
+    before = shares_of_ends(page)
+    assert preview.show(assembly, "small", port=viewer, colour="area", explode=(0.3,))
+    tree = page.locator("body").inner_text().split("\n")
+    for name in ("shell-0", "shell-3", "area, m2", "addresses", "holes"):
+        assert any(line.strip().startswith(name) for line in tree), name
+    page.wait_for_timeout(300)  # for the next frame
+    after = shares_of_ends(page)
+    assert after[0] > before[0] + 0.002
+    assert after[1] > before[1] + 0.002
+
+
+@pytest.mark.browser
+def test_what_the_page_shows_already_is_not_sent_again(page: Any, viewer: int) -> None:
+    assembly = small_shell()
+    assert preview.show(assembly, "once", port=viewer, only_changed=True)
+    assert not preview.show(small_shell(), "again", port=viewer, only_changed=True)
+    assert "once" in page.locator("body").inner_text()
+    assert preview.show(assembly, "again", port=viewer, only_changed=True, colour="area")
+    assert "again" in page.locator("body").inner_text()
+    assert preview.show(assembly, "third", port=viewer)
+
+
+@pytest.mark.browser
+def test_a_shell_among_other_things_keeps_its_place(page: Any, viewer: int) -> None:
+    both = cq.Assembly(name="site")
+    both.add(small_shell(), name="roof", loc=cq.Location((0, 0, 3000)))
+    both.add(cq.Solid.makeBox(3000, 1500, 100), name="ground", color=cq.Color(*RED))
+    preview.show(both, "site", port=viewer)
+    tree = {line.strip(" ⚈") for line in page.locator("body").inner_text().split("\n")}
+    assert {"roof", "ground", "shell-0"} <= tree
+
+
+def lines_of(node: dict[str, Any]) -> np.ndarray:
+    packed = node["shape"]["edges"]
+    values = np.frombuffer(base64.b64decode(packed["buffer"]), packed["dtype"])
+    return values.reshape(-1, 2, 3)
+
+
+def test_the_arrays_of_a_preview_are_the_panels_that_the_kernel_makes() -> None:
+    wired = ifs.to_assembly(small_shell().metadata["elements"], label="wire", holes=ifs.Holes())
+    [group] = view_of(wired).groups
+    instances: list[dict[str, Any]] = []
+    node = tree(group, "/x", NOWHERE, instances)
+    for number, address in enumerate(group.elements.addresses):
+        part = wired.objects[address]
+        packed = instances[number]["vertices"]
+        points = np.frombuffer(base64.b64decode(packed["buffer"]), packed["dtype"]).reshape(-1, 3)
+        box = part.obj.moved(part.loc).BoundingBox()
+        assert points.min(axis=0) == pytest.approx([box.xmin, box.ymin, box.zmin], abs=0.01)
+        assert points.max(axis=0) == pytest.approx([box.xmax, box.ymax, box.zmax], abs=0.01)
+    marks = {part["name"]: lines_of(part) for part in node["parts"] if part["type"] == "edges"}
+    strokes = [part for name, part in wired.objects.items() if name.endswith("-strokes")]
+    boxes = [part.obj.moved(part.loc).BoundingBox() for part in strokes]
+    low = np.min([(box.xmin, box.ymin, box.zmin) for box in boxes], axis=0)
+    high = np.max([(box.xmax, box.ymax, box.zmax) for box in boxes], axis=0)
+    assert marks["addresses"].min(axis=(0, 1)) == pytest.approx(low, abs=0.5)
+    assert marks["addresses"].max(axis=(0, 1)) == pytest.approx(high, abs=0.5)
+    drilled = sum(1 for face in wired.toCompound().Faces() if face.geomType() == "CYLINDER")
+    assert len(marks["holes"]) == 2 * 16 * drilled  # circles of 16 lines on both faces
+
+
+def test_triangles_face_outwards_and_enclose_the_volume_of_the_panel() -> None:
+    [group] = view_of(small_shell()).groups
+    instances: list[dict[str, Any]] = []
+    tree(group, "/x", NOWHERE, instances)
+
+    def array(packed: dict[str, Any]) -> np.ndarray:
+        return np.frombuffer(base64.b64decode(packed["buffer"]), packed["dtype"]).reshape(-1, 3)
+
+    for instance, volume in zip(instances, group.elements.volumes, strict=True):
+        points, triangles = array(instance["vertices"]), array(instance["triangles"])
+        a, b, c = np.moveaxis(points.astype(float)[triangles], 1, 0)
+        assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(volume, rel=1e-3)
+        normal = array(instance["normals"])[triangles[:, 0]]
+        assert (np.einsum("ij,ij->i", np.cross(b - a, c - a), normal) > 0).all()
+
+
+def test_a_modified_panel_is_sent_as_it_is() -> None:
+    assembly = small_shell()
+    [group] = view_of(assembly).groups
+    assert is_plain(group)
+    part = assembly.objects["00"]
+    part.obj = part.obj.cut(cq.Solid.makeBox(50, 50, 50))
+    assert not is_plain(view_of(assembly).groups[0])
+    assert fingerprint(view_of(assembly)) is None
+
+
+SCRIPT = """
+import ifs_cad as ifs
+from beside import rise
+arch = ifs.Curve([(0, 0, 0), (0, 0, rise), (3000, 0, rise), (3000, 0, 0)], depth=1)
+fold = ifs.Curve([(0, 0, 0), (0, 750, 300), (0, 1500, 0)], depth=1)
+show_object(ifs.to_assembly(ifs.thicken(ifs.vector_sum(arch, fold), 20.0), nest=0))
+"""
+
+
+def save(path: Path, text: str) -> None:
+    """Save as most editors do: beside the file, and rename."""
+    beside = path.with_name(f".{path.name}.new")
+    beside.write_text(text, encoding="utf-8")
+    beside.replace(path)
+
+
+@pytest.mark.browser
+def test_a_script_is_shown_again_after_each_save(page: Any, viewer: int, tmp_path: Path) -> None:
+    pytest.importorskip("watchfiles", reason="watchfiles is not installed")
+    script, module = tmp_path / "roof.py", tmp_path / "beside.py"
+    module.write_text("rise = 1500.0\n", encoding="utf-8")
+    script.write_text(SCRIPT, encoding="utf-8")
+    command = [sys.executable, "-m", "ifs_cad.cli", "show", str(script), "--watch"]
+    with subprocess.Popen(
+        [*command, "--port", str(viewer)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONUNBUFFERED": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as watching:
+        assert watching.stdout is not None
+        said = iter(watching.stdout.readline, "")
+        try:
+            assert next(said).startswith("Shown after")
+            first = page.locator("body").inner_text()
+            assert "roof" in first
+            save(script, SCRIPT + "# nothing new\n")
+            assert next(said).startswith("Nothing changed after")
+            save(script, SCRIPT.replace("nest=0", "nest=none"))
+            assert "name 'none' is not defined" in next(said)
+            next(said)  # the line of the script
+            save(module, "rise = 1200.0\n")  # a module beside it, while the script is broken
+            assert "name 'none' is not defined" in next(said)
+            next(said)
+            save(script, SCRIPT)
+            line = next(said)
+            assert line.startswith("Shown after")
+            assert "Watching 2 files" in line
+            assert page.locator("body").inner_text() != first
+            watching.send_signal(signal.SIGINT)
+            assert next(said).startswith("No longer watching")
+            assert watching.wait(timeout=60) == 0
+        finally:
+            watching.kill()
+
+
+def test_watching_without_a_viewer_is_an_error_at_once(tmp_path: Path) -> None:
+    pytest.importorskip("watchfiles", reason="watchfiles is not installed")
+    script = tmp_path / "box.py"
+    script.write_text("import cadquery as cq\nshow_object(cq.Workplane().box(1, 1, 1))\n")
+    done = CliRunner().invoke(app, ["show", str(script), "--watch", "--port", str(free_port())])
+    assert done.exit_code == 1
+    assert "python -m ocp_viewer --host 127.0.0.1" in done.output
 
 
 @pytest.mark.browser

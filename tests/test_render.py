@@ -18,9 +18,10 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 import ifs_cad as ifs
+from ifs_cad.elements.colouring import Colouring, numbered
 from ifs_cad.errors import ExportError, InputError, ViewerError
 from ifs_cad.view import _draw
-from ifs_cad.view._assembly import parts, viewable
+from ifs_cad.view._assembly import parts, view_of, viewable
 from ifs_cad.view._triangulate import triangulate
 from ifs_cad.view.render import render
 
@@ -330,7 +331,7 @@ def test_a_failure_of_the_drawing_program_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "numpy.py").write_text("raise ImportError('numpy is broken')\n")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(ViewerError, match="Drawing failed with ImportError: numpy is broken"):
         render(cq.Workplane().box(1, 1, 1), tmp_path / "v.png", **SMALL)
 
@@ -342,6 +343,122 @@ def test_a_shell_is_drawn_as_its_panels(tmp_path: Path) -> None:
     assert len(parts(viewable(shell))) == len(shell) == 9
     render(shell, tmp_path / "v.png", **SMALL)
     assert near(pixels(tmp_path / "v.png"), WOOD) > 0.1
+
+
+def fold() -> ifs.Shell:
+    """Four panels of different sizes; the two at the back are seen as well."""
+    a = [(0, 0, 0), (400, 0, 300), (1000, 0, 0)]
+    return ifs.thicken(ifs.vector_sum(a, [(0, 0, 0), (0, 300, 0), (0, 1000, 0)]), 20.0)
+
+
+@draws
+def test_panels_have_the_colours_of_their_values_and_a_legend_beside_them(tmp_path: Path) -> None:
+    given = Colouring("area, m2", np.array([1.0, 2.0, 3.0, 4.0]))
+    render(fold(), tmp_path / "v.png", colour=given, elevation=60.0, edges=False, **SMALL)
+    picture = pixels(tmp_path / "v.png")
+    model, legend = picture[:, : int(0.86 * 320)], picture[:, int(0.86 * 320) :]
+    for colour in given.colours:
+        assert near(model, tuple(colour / 255.0)) > 0.01
+    for colour in (given.scale[0], given.scale[-1]):
+        assert (np.abs(legend - colour).max(axis=-1) < 12).any()
+    # the darkest below, the lightest above
+    rows = [np.argwhere(np.abs(legend - c).max(axis=-1) < 12)[:, 0] for c in given.scale[[0, -1]]]
+    assert rows[0].mean() > rows[1].mean()
+
+
+@draws
+def test_sheets_are_named_in_the_legend(tmp_path: Path) -> None:
+    given = numbered("sheet", ["sheet-01", "sheet-02", "sheet-01", None])
+    render(fold(), tmp_path / "v.png", colour=given, elevation=60.0, **SMALL)
+    legend = pixels(tmp_path / "v.png")[:, int(0.86 * 320) :]
+    for colour in given.scale:
+        assert (np.abs(legend - colour).max(axis=-1) < 12).sum() > 20
+
+
+@draws
+def test_addresses_are_written_on_the_faces_that_are_seen(tmp_path: Path) -> None:
+    shell = fold()
+    look: dict[str, Any] = {"width": 640, "height": 400, "edges": False, "azimuth": -90.0}
+    for elevation in (89.0, -89.0):
+        pictures = []
+        for labels in (False, True):
+            render(shell, tmp_path / "v.png", labels=labels, elevation=elevation, **look)
+            pictures.append(pixels(tmp_path / "v.png"))
+        letters = np.abs(pictures[0] - pictures[1]).max(axis=-1) > 60
+        assert pictures[1][letters].max(axis=-1).mean() < 130  # dark on wood
+        rows, columns = extent(colorful(pictures[0]))
+        middle_column = (columns.start + columns.stop) // 2
+        middle_row = (rows.start + rows.stop) // 2
+        for half in (letters[:middle_row], letters[middle_row:]):
+            assert half[:, :middle_column].any()
+            assert half[:, middle_column:].any()
+        outside = letters.copy()
+        outside[rows, columns] = False
+        assert not outside.any()
+
+
+@draws
+def test_an_address_behind_another_panel_is_not_written(tmp_path: Path) -> None:
+    """Seen along the ridge line from the side, the far slope is hidden by the near one."""
+    roof = ifs.thicken(
+        ifs.vector_sum([(0, 0, 0), (500, 0, 500), (1000, 0, 0)], [(0, 0, 0), (0, 1000, 0)]), 20.0
+    )
+    look: dict[str, Any] = {"width": 640, "height": 400, "edges": False, "elevation": 0.0}
+    rows = []
+    for labels in (False, True):
+        render(roof, tmp_path / "v.png", labels=labels, azimuth=0.0, **look)
+        rows.append(pixels(tmp_path / "v.png"))
+    letters = np.abs(rows[0] - rows[1]).max(axis=-1) > 60
+    columns = np.flatnonzero(letters.any(axis=0))
+    assert len(columns)
+    assert np.ptp(columns) < 250  # one address, in the middle
+
+
+@draws
+def test_an_exploded_view_shows_the_background_between_pieces(tmp_path: Path) -> None:
+    gaps = {}
+    for explode in (0.0, 0.5):
+        render(fold(), tmp_path / "v.png", elevation=89.0, explode=explode, **SMALL)
+        model = colorful(pixels(tmp_path / "v.png"))
+        rows, columns = extent(model)
+        gaps[explode] = 1 - model[rows, columns].mean()
+    assert gaps[0.5] > gaps[0.0] + 0.05
+
+
+def test_a_model_of_no_elements_has_no_addresses_colours_or_pieces(tmp_path: Path) -> None:
+    box = cq.Workplane().box(1, 1, 1)
+    for options in ({"labels": True}, {"colour": "area"}, {"explode": 0.5}):
+        with pytest.raises(InputError, match="Only panels and planks"):
+            render(box, tmp_path / "v.png", **options)
+
+
+def test_values_for_other_elements_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="4 elements need as many values of x, got 2"):
+        render(fold(), tmp_path / "v.png", colour=Colouring("x", np.array([1.0, 2.0])))
+
+
+def test_looking_leaves_the_assembly_as_it_is() -> None:
+    assembly = ifs.to_assembly(fold(), nest=0)
+    before = [(name, part.loc.toTuple(), part.color) for name, part in assembly.objects.items()]
+    view = view_of(assembly, "area", 0.5)
+    assert [
+        (name, part.loc.toTuple(), part.color) for name, part in assembly.objects.items()
+    ] == before
+    moved = [part.loc.toTuple()[0] for name, part in view.assembly.objects.items() if part.obj]
+    assert len(moved) == 4
+    shifts = np.array(moved) - [part[1][0] for part in before if part[0] != "shell"]
+    assert shifts == pytest.approx(view.groups[0].shifts)
+
+
+def test_several_shells_share_one_scale() -> None:
+    both = cq.Assembly()
+    both.add(ifs.to_assembly(fold()), name="one")
+    both.add(ifs.to_assembly(fold().take([0])), name="two", loc=cq.Location((0, 0, 900)))
+    groups = view_of(both, "area").groups
+    assert len({group.colouring.range for group in groups if group.colouring}) == 1
+    low, high = groups[0].colouring.range  # type: ignore[union-attr]
+    areas = fold().areas * 1e-6
+    assert (low, high) == pytest.approx((areas.min(), areas.max()))
 
 
 @draws

@@ -1,8 +1,8 @@
-"""Draw triangles and lines as a PNG: a program of its own, run by `render`.
+"""Draw triangles and lines as PNGs: a program of its own, run by `render`.
 
 Asking VTK for a window that the machine cannot make ends the whole process, so the drawing
-happens in a process that may die. It reads an ``.npz`` of arrays on stdin and writes the PNG to
-stdout; it knows nothing of CAD.
+happens in a process that may die. Its arguments are ``.npz`` files of arrays; beside each it
+writes the PNG, and then prints the name of the file. It knows nothing of CAD.
 
 Arrays of the input
 -------------------
@@ -12,48 +12,36 @@ triangle_colors : (t, 4) uint8, RGBA
 lines : (l, 2) int, into points
 line_colors : (l, 4) uint8, RGBA
 strokes, stroke_colors : the same for parts that have no faces
+frame : (k, 3) float, optional, what the camera must see instead of the points
+floor : float, optional, height of the floor under the model instead of its lowest point, mm
 size : (2,) int, width and height in pixels
 view : (3,) float, azimuth and elevation in degrees, zoom
 background : (3,) float, RGB from 0 to 1
-legend : (k, 3) uint8, optional, colours of a scale from low to high
-legend_range : (2,) float, the values at its ends
-legend_title : text
+and those of ``_annotate.py``
 """
 
 from __future__ import annotations
 
-import io
 import sys
-from collections.abc import Callable, Mapping
-from typing import Any
+from pathlib import Path
 
 import numpy as np
-import vtkmodules.vtkRenderingFreeType  # noqa: F401  without it VTK draws no letters
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
-from vtkmodules.util import numpy_support
-from vtkmodules.vtkCommonCore import vtkLookupTable, vtkPoints
+from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
 from vtkmodules.vtkIOImage import vtkPNGWriter
-from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
 from vtkmodules.vtkRenderingCore import (
     vtkActor,
     vtkCamera,
     vtkLight,
     vtkPolyDataMapper,
     vtkRenderer,
-    vtkRenderWindow,
-    vtkWindowToImageFilter,
 )
 from vtkmodules.vtkRenderingOpenGL2 import vtkRenderStepsPass, vtkSSAOPass
 
-Array = NDArray[Any]
-Scene = Mapping[str, Array]
-
-from_vtk: Callable[[Any], Array] = numpy_support.vtk_to_numpy
-to_vtk: Callable[..., Any] = numpy_support.numpy_to_vtk
-to_vtk_ids: Callable[..., Any] = numpy_support.numpy_to_vtkIdTypeArray
+from ifs_cad.view._annotate import annotated, margin_of
+from ifs_cad.view._photograph import Array, Scene, depths, from_vtk, photograph, to_vtk, to_vtk_ids
 
 SUPERSAMPLING = 2
 FIELD_OF_VIEW = 18.0  # degrees, vertically: a long lens keeps parallels nearly parallel
@@ -70,30 +58,38 @@ OCCLUSION = 0.07  # reach of the dimming in folds and corners, share of the mode
 OCCLUSION_BIAS = 0.05  # share of that reach within which a flat face does not dim itself
 OCCLUSION_RAYS = 24
 SHADOW = 0.25  # darkness of the floor under the model
-LETTERS = 0.02  # of a legend, share of the picture's height
-INK = (0.15, 0.15, 0.15)
 SHADOW_BLUR = 0.012  # share of the picture's width
 
 
 def draw(scene: Scene) -> bytes:
     """Return the PNG of a scene: the model over a background, with a soft shadow on the floor."""
     width, height = (int(pixels) for pixels in scene["size"])
+    margin = margin_of(scene)
+    width -= margin
     azimuth, elevation, zoom = scene["view"]
     on_floor = scene["points"].copy()
-    on_floor[:, 2] = on_floor[:, 2].min()
-    floor_is_seen = np.sin(np.radians(elevation)) > 0
-    framed = np.concatenate([scene["points"], on_floor]) if floor_is_seen else scene["points"]
+    on_floor[:, 2] = scene.get("floor", on_floor[:, 2].min())
+    framed = scene.get("frame", scene["points"])
+    floor_is_seen = bool(np.sin(np.radians(elevation)) > 0)
+    if floor_is_seen:
+        under = framed.copy()
+        under[:, 2] = on_floor[0, 2]
+        framed = np.concatenate([framed, under])
     camera = framing_camera(framed, azimuth, elevation, zoom, width / height)
     color, coverage = photograph(model_renderer(scene), camera, width, height, SUPERSAMPLING)
+    color *= dimming(scene, camera, width, height)[..., None]
     floor = np.ones_like(coverage)
     if floor_is_seen:
         shadow = shadow_renderer(on_floor, scene["triangles"])
         _, covered = photograph(shadow, camera, width, height, 1)
         floor -= SHADOW * gaussian_filter(covered, SHADOW_BLUR * width)
     picture = color + ((1.0 - coverage) * floor)[..., None] * scene["background"]
-    if "legend" in scene:
-        scale, covered = photograph(legend_renderer(scene), vtkCamera(), width, height, 2)
-        picture = scale + (1.0 - covered)[..., None] * picture
+
+    def depth() -> Array:
+        return depths(faces_renderer(scene), camera, width, height)
+
+    paper = np.broadcast_to(scene["background"], (height, margin, 3))
+    picture = annotated(np.concatenate([picture, paper], axis=1), scene, camera, width, depth)
     return png(np.rint(255.0 * np.clip(picture, 0.0, 1.0)).astype(np.uint8))
 
 
@@ -128,37 +124,8 @@ def framing_camera(
     return camera
 
 
-def photograph(
-    renderer: vtkRenderer, camera: vtkCamera, width: int, height: int, fine: int
-) -> tuple[Array, Array]:
-    """Return colours (h, w, 3) over black and coverage (h, w), from 0 to 1, top row first.
-
-    Each pixel is the mean of `fine` x `fine` drawn ones.
-    """
-    renderer.SetBackground(0.0, 0.0, 0.0)
-    renderer.SetBackgroundAlpha(0.0)
-    renderer.SetActiveCamera(camera)
-    renderer.ResetCameraClippingRange()
-    window = vtkRenderWindow()
-    window.SetOffScreenRendering(True)
-    window.SetAlphaBitPlanes(True)
-    window.SetMultiSamples(0)
-    window.SetSize(width * fine, height * fine)
-    window.AddRenderer(renderer)
-    window.Render()
-    grab = vtkWindowToImageFilter()
-    grab.SetInput(window)
-    grab.SetInputBufferTypeToRGBA()
-    grab.ReadFrontBufferOff()
-    grab.Update()
-    values = from_vtk(grab.GetOutput().GetPointData().GetScalars())
-    drawn = values.reshape(height, fine, width, fine, 4)[::-1]
-    image = drawn.mean(axis=(1, 3), dtype=np.float32) / 255.0
-    return image[..., :3], image[..., 3]
-
-
 def model_renderer(scene: Scene) -> vtkRenderer:
-    """Return the lit model, dimmed in its folds."""
+    """Return the lit model."""
     renderer = vtkRenderer()
     renderer.AutomaticLightCreationOff()
     for place, strength in LIGHTS:
@@ -167,15 +134,6 @@ def model_renderer(scene: Scene) -> vtkRenderer:
         light.SetPosition(*place)
         light.SetIntensity(strength)
         renderer.AddLight(light)
-
-    reach = OCCLUSION * float(np.linalg.norm(np.ptp(scene["points"], axis=0)))
-    dimming = vtkSSAOPass()
-    dimming.SetRadius(reach)
-    dimming.SetBias(OCCLUSION_BIAS * reach)
-    dimming.SetKernelSize(OCCLUSION_RAYS)
-    dimming.BlurOn()
-    dimming.SetDelegatePass(vtkRenderStepsPass())
-    renderer.SetPass(dimming)
 
     opaque = scene["triangle_colors"][:, 3] == 255
     for drawn_together in (opaque, ~opaque):
@@ -188,6 +146,39 @@ def model_renderer(scene: Scene) -> vtkRenderer:
             actor.GetProperty().LightingOff()
             actor.GetProperty().SetLineWidth(width * SUPERSAMPLING)
             renderer.AddActor(actor)
+    return renderer
+
+
+def dimming(scene: Scene, camera: vtkCamera, width: int, height: int) -> Array:
+    """Return (h, w) factors from 0 to 1 that darken folds and corners.
+
+    The kernel of the pass blurs them, so they need no finer pixels than the picture: at those of
+    the model they would take most of the time of it all.
+    """
+    renderer = faces_renderer(scene)
+    if not renderer.GetActors().GetNumberOfItems():
+        return np.ones((height, width), dtype=np.float32)
+    reach = OCCLUSION * float(np.linalg.norm(np.ptp(scene["points"], axis=0)))
+    occlusion = vtkSSAOPass()
+    occlusion.SetRadius(reach)
+    occlusion.SetBias(OCCLUSION_BIAS * reach)
+    occlusion.SetKernelSize(OCCLUSION_RAYS)
+    occlusion.BlurOn()
+    occlusion.SetDelegatePass(vtkRenderStepsPass())
+    renderer.SetPass(occlusion)
+    white, covered = photograph(renderer, camera, width, height, 1)
+    return np.asarray(np.where(covered > 0, white[..., 0], 1.0))
+
+
+def faces_renderer(scene: Scene) -> vtkRenderer:
+    """Return the opaque faces, all of them white."""
+    renderer = vtkRenderer()
+    opaque = scene["triangle_colors"][:, 3] == 255
+    if opaque.any():
+        actor = actor_of(mesh(scene["points"], scene["triangles"][opaque]))
+        actor.GetProperty().SetAmbient(1.0)  # not without lighting: that switches occlusion off
+        actor.GetProperty().SetDiffuse(0.0)
+        renderer.AddActor(actor)
     return renderer
 
 
@@ -210,36 +201,6 @@ def shadow_renderer(on_floor: Array, triangles: Array) -> vtkRenderer:
     """Return the model pressed flat onto the floor under it."""
     renderer = vtkRenderer()
     renderer.AddActor(actor_of(mesh(on_floor, triangles)))
-    return renderer
-
-
-def legend_renderer(scene: Scene) -> vtkRenderer:
-    """Return a scale of colours at the right edge, with its title and values."""
-    colors = scene["legend"]
-    table = vtkLookupTable()
-    table.SetNumberOfTableValues(len(colors))
-    table.SetTableRange(*scene["legend_range"])
-    for number, color in enumerate(colors / 255.0):
-        table.SetTableValue(number, (*color.tolist(), 1.0))
-    bar = vtkScalarBarActor()
-    bar.SetLookupTable(table)
-    bar.SetTitle(str(scene["legend_title"]))
-    bar.SetNumberOfLabels(5)
-    bar.SetLabelFormat("{:.3g}")
-    bar.UnconstrainedFontSizeOn()
-    bar.SetWidth(0.07)
-    bar.SetHeight(0.45)
-    bar.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
-    bar.SetPosition(0.9, 0.5)
-    pixels = int(LETTERS * scene["size"][1]) * 2
-    for words in (bar.GetTitleTextProperty(), bar.GetLabelTextProperty()):
-        words.SetColor(*INK)
-        words.SetFontSize(pixels)
-        words.ItalicOff()
-        words.BoldOff()
-        words.ShadowOff()
-    renderer = vtkRenderer()
-    renderer.AddViewProp(bar)
     return renderer
 
 
@@ -283,6 +244,10 @@ def png(picture: Array) -> bytes:
     return from_vtk(writer.GetResult()).tobytes()
 
 
-if __name__ == "__main__":
-    with np.load(io.BytesIO(sys.stdin.buffer.read())) as arrays:
-        sys.stdout.buffer.write(draw(arrays))
+def main() -> None:
+    """Draw the scenes that the command line names."""
+    for name in sys.argv[1:]:
+        with np.load(name) as arrays:
+            picture = draw(dict(arrays))
+        Path(name).with_suffix(".png").write_bytes(picture)
+        print(name, flush=True)

@@ -14,22 +14,19 @@ from OCP.GeomAPI import GeomAPI_PointsToBSplineSurface
 from OCP.gp import gp_Pnt
 from OCP.TColgp import TColgp_Array2OfPnt
 
+from ifs_cad.elements.colouring import Colouring
 from ifs_cad.errors import InputError
 from ifs_cad.files import replaced
 from ifs_cad.structure.result import Result
 from ifs_cad.types import FloatArray, IntArray
-from ifs_cad.view.render import drawn
+from ifs_cad.view._drawing import drawn
+from ifs_cad.view._scene import centred, legend
 
 By = Literal["deflection", "utilisation"]
 TITLES: dict[By, str] = {"deflection": "|u_z|, mm", "utilisation": "utilisation"}
-UNKNOWN = (190, 190, 190)  # of panels of which nothing is known
 SEWN = 1e-3  # mm, within which the kernel takes points of a face for one
 
-RAMP = np.array([(68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37)])
-"""Anchors of viridis, which also the colour-blind and printers tell apart."""
-SHADES = 64
 SEEN = 0.05  # of the shell's size, up to which the largest displacement is magnified
-ZOOM = 0.85  # leaves room for the scale of colours
 INK = (60, 60, 60, 255)
 FORMER = (170, 170, 170, 255)  # of the lines of the shell without load
 
@@ -79,16 +76,14 @@ def deformed_assembly(
             face = int(grid.face_of_node[lattice[0, 0]])
             faces.setdefault(face, []).append(_face(points[lattice]))
     high = float(np.nanmax(of_panels)) or 1.0
-    shades = _shades()
+    colours = Colouring(TITLES[by], of_panels, low=0.0, high=high).colours.tolist()
     whole = cq.Assembly(name=f"deformed {scale:g} x, {TITLES[by]} up to {high:.4g}")
     for face, parts in sorted(faces.items()):
         panel = int(model.surface.panels[face])
-        value = float(of_panels[panel])
-        colour = UNKNOWN if math.isnan(value) else shades[round(value / high * (SHADES - 1))]
         whole.add(
             parts[0] if len(parts) == 1 else cq.Compound.makeCompound(parts),
             name=grid.mesh.addresses[face],
-            color=cq.Color(*(float(part) / 255 for part in colour)),
+            color=cq.Color(*(part / 255 for part in colours[panel])),
             metadata={
                 "deflection": float(result.deflections[panel]),
                 "utilisation": float(result.utilisation[panel]),
@@ -132,7 +127,7 @@ def render_deformed(
     scale = magnification(result) if scale is None else scale
     scene = _scene(result, by, scale) | {
         "size": np.array([width, height]),
-        "view": np.array([azimuth, elevation, ZOOM]),
+        "view": np.array([azimuth, elevation, 1.0]),
         "background": np.ones(3),
     }
     picture = drawn(scene)
@@ -149,21 +144,20 @@ def _scene(result: Result, by: By, scale: float) -> dict[str, Any]:
     used = used if result.quad_utilisation is None else result.quad_utilisation
     values = _values(result, by, sunk[triangles].mean(axis=1), np.repeat(used, 2))
     high = float((sunk if by == "deflection" else used).max()) or 1.0
-    shades = _shades()
-    shade = np.rint(values / high * (SHADES - 1)).astype(int)
+    title = f"{TITLES[by]}\n(drawn {scale:g} x)"
+    colouring = Colouring(title, values, low=0.0, high=high)
+    opaque = np.full(len(triangles), 255, np.uint8)
     edges = np.stack([grid.edges[:, :-1], grid.edges[:, 1:]], axis=-1).reshape(-1, 2)
-    return {
-        "points": points - (points.min(axis=0) + points.max(axis=0)) / 2,
+    scene = {
+        "points": points,
         "triangles": triangles,
-        "triangle_colors": np.column_stack([shades[shade], np.full(len(shade), 255, np.uint8)]),
+        "triangle_colors": np.column_stack([colouring.colours, opaque]),
         "lines": np.concatenate([edges, edges + len(grid.nodes)]),
         "line_colors": np.repeat(np.array([INK, FORMER], np.uint8), len(edges), axis=0),
         "strokes": _none(),
         "stroke_colors": np.empty((0, 4), np.uint8),
-        "legend": shades,
-        "legend_range": np.array([0.0, high]),
-        "legend_title": np.array(f"{TITLES[by]}\n(drawn {scale:g} x)"),
     }
+    return centred(scene | legend(colouring), points)
 
 
 def _values(result: Result, by: str, sunk: FloatArray, used: FloatArray) -> FloatArray:
@@ -192,13 +186,6 @@ def _face(points: FloatArray) -> cq.Face:
     fitted = GeomAPI_PointsToBSplineSurface()
     fitted.Interpolate(table)
     return cq.Face(BRepBuilderAPI_MakeFace(fitted.Surface(), SEWN).Face())
-
-
-def _shades() -> Any:
-    """Return (SHADES, 3) uint8 colours from low to high."""
-    at = np.linspace(0, len(RAMP) - 1, SHADES)
-    columns = [np.interp(at, np.arange(len(RAMP)), column) for column in RAMP.T]
-    return np.rint(np.column_stack(columns)).astype(np.uint8)
 
 
 def _none() -> IntArray:

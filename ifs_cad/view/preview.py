@@ -28,9 +28,12 @@ from typing import Any
 
 import cadquery as cq
 
+from ifs_cad.elements.colouring import Colouring
+from ifs_cad.elements.explosion import Explode
 from ifs_cad.errors import InputError, MissingLibraryError, ViewerError
 from ifs_cad.libraries import require
-from ifs_cad.view._assembly import parts, viewable
+from ifs_cad.view._assembly import MATERIAL, Group, View, parts, view_of, viewable
+from ifs_cad.view._viewer_model import fingerprint, graft, is_plain
 
 HOSTS = ("127.0.0.1", "localhost")
 DEFAULT_PORT = 3939  # of both viewers
@@ -38,20 +41,30 @@ CLIENTS = ("ocp_viewer", "ocp_vscode")
 LISTEN_SECONDS = 0.5
 ANSWER_SECONDS = 3.0
 RELAY_SECONDS = 3.0  # within which a viewer passes even a large model on to an open page
-POLL_SECONDS = 0.1
+POLL_SECONDS = 0.05
 
 _shown: dict[str, cq.Assembly] = {}  # by `show_object`, in this process
+_on_page: dict[int, tuple[str | None, str]] = {}  # by port: fingerprint and title of what is there
 
 
 def show(
     thing: Any,
     name: str = "shell",
     *,
+    colour: str | Colouring = MATERIAL,
+    explode: Explode = 0.0,
+    exact: bool = False,
+    only_changed: bool = False,
     port: int | None = None,
     host: str = "127.0.0.1",
     timeout: float = 30.0,
-) -> None:
+) -> bool:
     """Show a model in a running OCP viewer; return when it is on the page.
+
+    Panels and planks that `to_assembly` made are sent as flat faces, with addresses and holes as
+    lines on them, which takes a fraction of a second. Everything else, and all of it with `exact`,
+    is triangulated by the viewer's client; it measures only what came that way. The protocol of the
+    viewers replaces the whole model each time: no part of it can be sent alone.
 
     Parameters
     ----------
@@ -59,12 +72,27 @@ def show(
         Names, nesting and colours of an assembly appear in the viewer's tree.
     name : str
         Root of that tree. The time is added to it, to tell this call from the others.
+    colour : str or Colouring
+        "material", a quantity of `colouring` or values of one's own. The legend is a column of
+        coloured fields beside the model, with their values in the tree.
+    explode : float or sequence of float
+        How far sub-assemblies move apart, see `explosion`.
+    exact : bool
+        Send the solids as they are cut, with pockets and holes.
+    only_changed : bool
+        Keep the camera from the second time on, and send nothing when the page shows the same
+        model already.
     port : int, optional
         Where the viewer listens; without it, the environment variable ``OCP_PORT`` or 3939.
     host : str
         127.0.0.1 or localhost: only a viewer on this machine is spoken to.
     timeout : float, seconds
         How long the page may take to report the model back.
+
+    Returns
+    -------
+    bool
+        Whether it was sent; False only when `only_changed` found nothing new.
 
     Raises
     ------
@@ -80,18 +108,28 @@ def show(
             f"A viewer is only spoken to on this machine ({' or '.join(HOSTS)}), not on {host!r}."
         )
     viewer = _Viewer(_port(port))
-    assembly = viewable(thing)
+    view = view_of(thing, colour, explode)
     client = _client()
-    viewer.expect_listening()
+    begins = viewer.expect_listening()
+    drawn = None if exact else fingerprint(view)
+    if only_changed and drawn is not None and viewer.still_shows(drawn):
+        return False
     now = datetime.now().time().isoformat(timespec="milliseconds")
     title = f"{name.replace('/', '-')} {now}"
-    with _captured_output() as said:
+    assembly, stand_ins = (view.assembly, {}) if exact else _with_stand_ins(view)
+    camera = {"reset_camera": client.Camera.KEEP} if only_changed else {}
+    # a page opened anew has the camera of its splash screen, and the viewer does not tell
+    if begins or viewer.port not in _on_page:
+        camera = {"reset_camera": client.Camera.RESET}
+    with _captured_output() as said, _grafting(client, stand_ins):
         try:
             client.set_port(viewer.port, HOSTS[0])
-            client.show(assembly, names=[title], progress="")
+            client.show(assembly, names=[title], progress="", **camera)
         except Exception as error:
             raise ViewerError(f"The viewer's client failed on {name!r}: {error}") from error
     viewer.expect_shown(title, timeout, said.getvalue())
+    _on_page[viewer.port] = (drawn, title)
+    return True
 
 
 def show_object(
@@ -133,6 +171,66 @@ def show_object(
         print(f"{name}: {count} part{'s' * (count != 1)}, not previewed. {reason}")
 
 
+def _with_stand_ins(view: View) -> tuple[cq.Assembly, dict[str, Group]]:
+    """Return an assembly with a box in the place of each group that is drawn from its arrays."""
+    plain = {id(group.assembly): group for group in view.groups if is_plain(group)}
+    stand_ins: dict[str, Group] = {}
+
+    def replaced(assembly: cq.Assembly) -> cq.Assembly:
+        group = plain.get(id(assembly))
+        if group is None:
+            made = cq.Assembly(
+                assembly.obj, loc=assembly.loc, name=assembly.name, color=assembly.color
+            )
+            for child in assembly.children:
+                copied = replaced(child)
+                copied.parent = made
+                made.children.append(copied)
+                made.objects.update(copied.objects)
+            return made
+        name = f"stand-in-{len(stand_ins)}"
+        stand_ins[name] = group
+        solids = group.elements.solids
+        points = solids.vertices + group.shifts[solids.solid_of_vertex]
+        low, high = points.min(axis=0), points.max(axis=0)
+        length, width, height = (high - low).tolist()
+        box = cq.Solid.makeBox(length, width, height, cq.Vector(*low.tolist()))
+        return cq.Assembly(box, loc=assembly.loc, name=name)
+
+    return (replaced(view.assembly), stand_ins) if plain else (view.assembly, {})
+
+
+@contextlib.contextmanager
+def _grafting(client: ModuleType, stand_ins: dict[str, Group]) -> Iterator[None]:
+    """Let the client send groups drawn from their arrays in the place of what stands in for them.
+
+    The client makes of the rest what it always does, settings and camera too; only what it hands
+    to its connection is changed.
+    """
+    if not stand_ins:
+        yield
+        return
+    of_client = client.show.__self__
+    session, comms = of_client.config.session, of_client.comms
+    send = session.send_data
+
+    def send_grafted(message: dict[str, Any], timeit: bool = False) -> Any:
+        data = message["data"]
+        for name, group in stand_ins.items():
+            if not graft(data["shapes"], group, name, data["instances"]):
+                raise ViewerError(f"{name} is missing in what the client sends.")
+        return send(message, timeit=timeit)
+
+    def send_no_shapes(_: Any, timeit: bool = False) -> None:
+        """Measure nothing rather than what stood in."""
+
+    session.send_data, comms.send_backend = send_grafted, send_no_shapes
+    try:
+        yield
+    finally:
+        del session.send_data, comms.send_backend
+
+
 class _Viewer:
     """A viewer at a port of this machine, as seen through its protocol."""
 
@@ -144,8 +242,8 @@ class _Viewer:
             '"OCP CAD Viewer: Open viewer".'
         )
 
-    def expect_listening(self) -> None:
-        """Raise ViewerError unless a viewer answers."""
+    def expect_listening(self) -> bool:
+        """Return whether a viewer still shows its splash screen; ViewerError if none answers."""
         try:
             socket.create_connection((HOSTS[0], self.port), LISTEN_SECONDS).close()
         except OSError as error:
@@ -153,19 +251,25 @@ class _Viewer:
                 f"No viewer listens on {self.place}. Start one with: {_start_command(self.port)}, "
                 f"and {self.how_to_look}"
             ) from error
-        if "_splash" not in self.ask("config"):
+        answer = self.ask("config")
+        if "_splash" not in answer:
             other = self.port + 1 if self.port != 65535 else DEFAULT_PORT
             raise ViewerError(
                 f"What listens on {self.place} is not an OCP viewer. Start one on another port, "
                 f"{_start_command(other)}, and say so here by port={other} or OCP_PORT={other}."
             )
+        return bool(answer["_splash"])
+
+    def still_shows(self, drawn: str) -> bool:
+        """Whether what was last sent from here was the same, and is on the page."""
+        before, title = _on_page.get(self.port, (None, ""))
+        return before == drawn and self._shows(title)
 
     def expect_shown(self, title: str, timeout: float, said: str) -> None:
         """Raise ViewerError unless the page reports a model of this title in time."""
         sent = time.monotonic()
         while (waited := time.monotonic() - sent) < timeout:
-            states = self.ask("status").get("text", {}).get("states", {})
-            if any(title in path for path in states):
+            if self._shows(title):
                 return
             # a viewer drops its splash screen when it first passes a model on to a page
             if waited > RELAY_SECONDS and self.ask("config").get("_splash"):
@@ -177,6 +281,10 @@ class _Viewer:
             f"The viewer on {self.place} did not show the model within {waited:.0f} s: no page "
             f"seems to be open. To look, {self.how_to_look}{remark}"
         )
+
+    def _shows(self, title: str) -> bool:
+        states = self.ask("status").get("text", {}).get("states", {})
+        return any(title in path for path in states)
 
     def ask(self, question: str) -> dict[str, Any]:
         """Return the viewer's answer to "config" or "status"; {} when none comes."""

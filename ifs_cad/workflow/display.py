@@ -88,10 +88,19 @@ class _Seconds(ProgressColumn):
         return Text(f"{elapsed or 0.0:.1f} s", justify="right")
 
 
+def plain(quiet: bool) -> Listener:
+    """Return a listener that prints what scripts print, and no stages."""
+    return Listener() if quiet else Terminal(_console())
+
+
+def _console() -> Console:
+    return Console(highlight=False, markup=False, emoji=False)
+
+
 @contextmanager
 def display(quiet: bool) -> Iterator[Listener]:
     """Give the listener that suits the standard output; a quiet one shows nothing."""
-    console = Console(highlight=False, markup=False, emoji=False)
+    console = _console()
     if quiet:
         yield Listener()
     elif not console.is_terminal:

@@ -1,4 +1,4 @@
-"""The parent of a job: starts the worker, passes on what it says, ends it at once.
+"""The parent of jobs: starts the worker, passes on what it says, ends it at once.
 
 The parent loads no kernel. Whatever ends the wait for the worker (an error, Ctrl-C) kills it,
 with every process that it started.
@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import IO, Any
 
 from ifs_cad import errors
@@ -47,6 +47,9 @@ class Listener:
         self.heard += f"{line}\n"
 
 
+Job = Callable[[str, dict[str, Any]], dict[str, Any]]
+
+
 def run(job: str, arguments: dict[str, Any], listener: Listener) -> dict[str, Any]:
     """Run a job of `worker` in a process of its own and return its result.
 
@@ -65,20 +68,41 @@ def run(job: str, arguments: dict[str, Any], listener: Listener) -> dict[str, An
     WorkerError
         The process died, or the job raised something else.
     """
+    with session(listener) as do:
+        return do(job, arguments)
+
+
+@contextlib.contextmanager
+def session(listener: Listener) -> Iterator[Job]:
+    """Keep one process for several jobs, so that the kernel is loaded once.
+
+    Gives a function that does a job as `run` does. After a WorkerError the process may be gone:
+    then begin another session.
+    """
     with tempfile.TemporaryFile() as complaints, _worker(complaints) as process:
-        for event in _events(process, {"job": job, "arguments": arguments}):
-            match event:
-                case {"stage": name, "done": done, "total": total}:
-                    listener.stage(name, done, total)
-                case {"text": line, "stream": stream}:
-                    listener.text(line, stream)
-                case {"error": kind, "message": message, "addresses": addresses}:
-                    raised: type[IfsCadError] = getattr(errors, kind, IfsCadError)
-                    raise raised(message, addresses=addresses)
-                case {"result": result}:
-                    return dict(result)
-        complaints.seek(0)
-        raise _death(process.wait(), complaints.read().decode(errors="replace"))
+        answers = _answers(process)
+
+        def do(job: str, arguments: dict[str, Any]) -> dict[str, Any]:
+            assert process.stdin is not None
+            # a worker that is dead already breaks the pipe: its silence tells enough
+            with contextlib.suppress(OSError):
+                process.stdin.write(json.dumps({"job": job, "arguments": arguments}) + "\n")
+                process.stdin.flush()  # and left open: its end tells the worker that we are gone
+            for event in _events(answers):
+                match event:
+                    case {"stage": name, "done": done, "total": total}:
+                        listener.stage(name, done, total)
+                    case {"text": line, "stream": stream}:
+                        listener.text(line, stream)
+                    case {"error": kind, "message": message, "addresses": addresses}:
+                        raised: type[IfsCadError] = getattr(errors, kind, IfsCadError)
+                        raise raised(message, addresses=addresses)
+                    case {"result": result}:
+                        return dict(result)
+            complaints.seek(0)
+            raise _death(process.wait(), complaints.read().decode(errors="replace"))
+
+        yield do
 
 
 @contextlib.contextmanager
@@ -98,6 +122,9 @@ def _worker(complaints: IO[bytes]) -> Iterator[subprocess.Popen[str]]:
     finally:
         _kill(process)
         process.wait()
+        assert process.stdin is not None
+        with contextlib.suppress(OSError):
+            process.stdin.close()
 
 
 def _kill(process: subprocess.Popen[str]) -> None:
@@ -108,26 +135,27 @@ def _kill(process: subprocess.Popen[str]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def _events(process: subprocess.Popen[str], request: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    """Send a request and yield the answers until the worker falls silent."""
+def _answers(process: subprocess.Popen[str]) -> queue.SimpleQueue[str | None]:
+    """Collect the lines that a worker sends, and None when it falls silent."""
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
 
-    def talk() -> None:
-        assert process.stdin is not None
+    def listen() -> None:
         assert process.stdout is not None
-        # a worker that is dead already breaks the pipe: the silence tells enough
-        with contextlib.suppress(OSError), process.stdin as requests, process.stdout as answers:
-            requests.write(json.dumps(request) + "\n")
-            requests.flush()  # and left open: its end tells the worker that we are gone
+        with contextlib.suppress(OSError), process.stdout as answers:
             for line in answers:
                 lines.put(line)
         lines.put(None)
 
-    threading.Thread(target=talk, daemon=True).start()
+    threading.Thread(target=listen, daemon=True).start()
+    return lines
+
+
+def _events(answers: queue.SimpleQueue[str | None]) -> Iterator[dict[str, Any]]:
+    """Yield the events of a worker until it falls silent."""
     while True:
         try:
             # not a read of the pipe, which Ctrl-C cannot interrupt on Windows
-            line = lines.get(timeout=POLL_SECONDS)
+            line = answers.get(timeout=POLL_SECONDS)
         except queue.Empty:
             continue
         if line is None:

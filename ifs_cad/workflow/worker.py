@@ -1,10 +1,10 @@
 """The process that does a job: loads the kernel, runs scripts, writes files.
 
-It reads one request, a line of JSON ``{"job": ..., "arguments": {...}}``, from its standard
+It reads requests, each a line of JSON ``{"job": ..., "arguments": {...}}``, from its standard
 input, and writes a line of JSON to its standard output for each event: ``stage`` and ``text``
-while it works, ``result`` or ``error`` at the end. OpenCascade prints to standard output too, so
-the events go through a private copy of it. When the standard input ends, the parent is gone and
-the worker ends itself.
+while it works, ``result`` or ``error`` at the end of each job. OpenCascade prints to standard
+output too, so the events go through a private copy of it. When the standard input ends, the parent
+is gone and the worker ends itself.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import faulthandler
 import io
 import json
 import os
+import queue
 import re
 import signal
 import sys
@@ -21,7 +22,7 @@ import threading
 import time
 import traceback
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -166,14 +167,55 @@ def render(
     return {}
 
 
-def show(source: str, settings: Mapping[str, str], port: int | None) -> dict[str, Any]:
-    """Send what a part script shows, or a STEP file, to a viewer."""
+def animate(
+    source: str,
+    settings: Mapping[str, str],
+    sweep: tuple[str, list[str]],
+    path: str,
+    options: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Draw what a part script shows for each value of one parameter, as a GIF or MP4."""
+    from ifs_cad.view.animate import animate as draw
+
+    name, values = sweep
+    kernel = _kernel()
+
+    def frames() -> Iterator[Any]:
+        for number, value in enumerate(values):
+            progress.report("making frames", number, len(values))
+            with_value = {**settings, name: value}
+            try:
+                yield kernel.together(kernel.run_script(Path(source), with_value))
+            except IfsCadError as error:
+                said = f"With {name} = {value}: {error}"
+                raise type(error)(said, addresses=error.addresses) from error
+
+    draw(frames(), path, **options)
+    return {}
+
+
+def show(
+    source: str, settings: Mapping[str, str], port: int | None, options: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Send what a part script shows, or a STEP file, to a viewer.
+
+    Of its modules, those beside the script are loaded anew each time.
+    """
     from ifs_cad.view.preview import show as send
 
-    model = _model(source, settings)
+    folder, before = Path(source).resolve().parent, set(sys.modules)
+    files = [str(Path(source).resolve())]
+    try:
+        model = _model(source, settings)
+    finally:
+        for name in set(sys.modules) - before:
+            place = getattr(sys.modules[name], "__file__", None)
+            if place and folder in Path(place).resolve().parents and "site-packages" not in place:
+                files.append(place)
+                del sys.modules[name]
     progress.report("showing")
-    send(model, Path(source).stem, port=port)
-    return {}
+    sent = send(model, Path(source).stem, port=port, **options)
+    return {"sent": sent, "files": files}
 
 
 def check(path: str) -> dict[str, Any]:
@@ -187,6 +229,7 @@ def check(path: str) -> dict[str, Any]:
 
 JOBS: dict[str, Callable[..., dict[str, Any]]] = {
     "analyse": analyse,
+    "animate": animate,
     "build": build,
     "check": check,
     "fabricate": fabricate,
@@ -196,33 +239,40 @@ JOBS: dict[str, Callable[..., dict[str, Any]]] = {
 
 
 def main() -> None:
-    """Read the request, do the job, send its outcome."""
+    """Do the jobs that are asked for, one after the other, until the parent is gone."""
     faulthandler.enable(all_threads=False)
     requests = os.fdopen(_private(0, os.O_RDONLY), encoding="utf-8")
     channel = Channel(os.fdopen(_private(1, os.O_WRONLY), "w", encoding="utf-8"))
-    request = json.loads(requests.readline())
-    _end_with_parent(requests)
     output, complaints = Forwarder(channel, "stdout"), Forwarder(channel, "stderr")
     sys.stdin, sys.stdout, sys.stderr = os.fdopen(0, closefd=False), output, complaints
     warnings.formatwarning = lambda message, *_, **__: f"Warning: {message}\n"
+    waiting = _collected(requests)
+    while True:
+        request = json.loads(waiting.get())
+        outcome = _done(request, channel)
+        output.finish()
+        complaints.finish()
+        channel.send(**outcome)
+
+
+def _done(request: Mapping[str, Any], channel: Channel) -> dict[str, Any]:
+    """Do one job and return how it ended."""
     try:
         with progress.listening(channel.stage):
-            result = JOBS[request["job"]](**request["arguments"])
+            return {"result": JOBS[request["job"]](**request["arguments"])}
     except IfsCadError as error:
-        outcome = _failure(type(error).__name__, str(error), error.addresses)
+        return _failure(type(error).__name__, str(error), error.addresses)
     except Exception:
-        outcome = _failure("WorkerError", f"Nobody foresaw this:\n{traceback.format_exc()}")
-    else:
-        outcome = {"result": result}
-    output.finish()
-    complaints.finish()
-    channel.send(**outcome)
-    os._exit(0)  # tearing the kernel down takes time and serves nothing
+        return _failure("WorkerError", f"Nobody foresaw this:\n{traceback.format_exc()}")
+
+
+def _kernel() -> Any:
+    progress.report("loading the CAD kernel")
+    return load("ifs_cad.kernel.source")
 
 
 def _shown(script: str, settings: Mapping[str, str]) -> list[Any]:
-    progress.report("loading the CAD kernel")
-    source = load("ifs_cad.kernel.source")
+    source = _kernel()
     progress.report(f"running {Path(script).name}")
     shown: list[Any] = source.run_script(Path(script), settings)
     return shown
@@ -232,11 +282,10 @@ def _model(file: str, settings: Mapping[str, str]) -> Any:
     """Return what a part script shows, or a STEP file holds, as one assembly."""
     if Path(file).suffix.lower() not in STEP_SUFFIXES:
         shown = _shown(file, settings)
-        return load("ifs_cad.kernel.source").together(shown)
+        return _kernel().together(shown)
     if settings:
         raise InputError(f"{file} is no script, so it has no parameters to set.")
-    progress.report("loading the CAD kernel")
-    source = load("ifs_cad.kernel.source")
+    source = _kernel()
     progress.report(f"reading {Path(file).name}")
     return source.read_step(Path(file))
 
@@ -276,15 +325,19 @@ def _private(descriptor: int, flags: int) -> int:
     return copy
 
 
-def _end_with_parent(requests: TextIO) -> None:
+def _collected(requests: TextIO) -> queue.SimpleQueue[str]:
+    """Collect the requests while a job goes on; at their end the parent is gone, and so are we."""
     if sys.platform == "linux":  # at once, even while the kernel holds the interpreter lock
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    waiting: queue.SimpleQueue[str] = queue.SimpleQueue()
 
-    def wait() -> None:
-        requests.read()
-        os._exit(1)
+    def collect() -> None:
+        for line in requests:
+            waiting.put(line)
+        os._exit(1)  # tearing the kernel down takes time and serves nothing
 
-    threading.Thread(target=wait, daemon=True).start()
+    threading.Thread(target=collect, daemon=True).start()
+    return waiting
 
 
 def _failure(kind: str, message: str, addresses: Iterable[str] = ()) -> dict[str, Any]:

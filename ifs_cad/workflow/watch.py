@@ -1,0 +1,124 @@
+"""A part script on the screen, shown again whenever it is saved.
+
+The worker stays, and the kernel with it. Folders are watched, not files: most editors save beside a
+file and rename, after which the file that was watched is gone.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ifs_cad.errors import IfsCadError, MissingLibraryError, ScriptError, ViewerError, WorkerError
+from ifs_cad.libraries import require
+from ifs_cad.workflow.supervise import Job, Listener, session
+
+DEBOUNCE_MS = 50  # within which changes count as one save
+STEP_MS = 10
+
+Report = Callable[[str], None]
+
+
+def watch(
+    source: Path,
+    *,
+    settings: Mapping[str, str],
+    port: int | None,
+    options: Mapping[str, Any],
+    listener: Listener,
+    report: Report,
+) -> None:
+    """Show a part script, and again after each save of it or of a module beside it.
+
+    A script that fails is reported, and shown again once it is mended. Ctrl-C ends it.
+
+    Parameters
+    ----------
+    source : Path
+    settings, port, options : of the job "show"
+    listener : Listener
+    report : function of a text
+        Hears what came of each save.
+
+    Raises
+    ------
+    ScriptError
+        There is no such script.
+    ViewerError, MissingLibraryError
+        Nothing can be shown at the beginning; later that is reported, as everything else.
+    """
+    require("watchfiles", "--watch", extra="view")
+    if not source.is_file():
+        raise ScriptError(f"There is no script {source}.")
+    arguments = {
+        "source": str(source),
+        "settings": dict(settings),
+        "port": port,
+        "options": {**options, "only_changed": True},
+    }
+    files = {source.resolve()}
+    was_shown = False
+    saves = _saves(files)
+    try:
+        while True:  # once for each life of the worker
+            with session(listener) as do:
+                for begin in saves:
+                    try:
+                        report(_shown(do, arguments, files, begin))
+                        was_shown = True
+                    except WorkerError as error:
+                        report(f"Error: {error}")
+                        break
+                    except IfsCadError as error:
+                        if isinstance(error, ViewerError | MissingLibraryError) and not was_shown:
+                            raise
+                        report(f"Error: {error}")
+    except KeyboardInterrupt:
+        report(f"No longer watching {source}.")
+
+
+def _shown(do: Job, arguments: dict[str, Any], files: set[Path], begin: float) -> str:
+    """Show the script, and learn which files it is made of."""
+    done = do("show", arguments)
+    files |= {Path(file) for file in done["files"]}
+    seconds = time.monotonic() - begin
+    what = "Shown" if done["sent"] else "Nothing changed"
+    return f"{what} after {seconds:.1f} s. Watching {len(files)} file{'s' * (len(files) > 1)}."
+
+
+def _saves(files: set[Path]) -> Iterator[float]:
+    """Yield the time now, then that of each change of one of the files; they may become more."""
+    watchfiles = require("watchfiles", "--watch", extra="view")
+    stamps = _stamps(files)
+    yield time.monotonic()
+    while True:
+        folders = {file.parent for file in files}
+        if any(stamps.get(file, stamp) != stamp for file, stamp in _stamps(files).items()):
+            stamps = _stamps(files)
+            yield time.monotonic()  # saved while nobody watched
+        stamps = _stamps(files)
+        for changes in watchfiles.watch(
+            *folders,
+            watch_filter=None,
+            debounce=DEBOUNCE_MS,
+            step=STEP_MS,
+            recursive=False,
+        ):
+            if any(
+                kind != watchfiles.Change.deleted and Path(file) in files for kind, file in changes
+            ):
+                yield time.monotonic()
+            if folders != {file.parent for file in files}:
+                break
+
+
+def _stamps(files: set[Path]) -> dict[Path, int]:
+    """Return when each file was written."""
+    stamps = {}
+    for file in files:
+        with suppress(OSError):
+            stamps[file] = file.stat().st_mtime_ns
+    return stamps
