@@ -1,4 +1,6 @@
-"""The command line: ``ifs-cad build``, ``check``, ``analyse``, ``fabricate``, ``render``, ``show``.
+"""The command line.
+
+``ifs-cad build``, ``check``, ``analyse``, ``fabricate``, ``render``, ``show``, ``studio``.
 
 Exit codes: 0 done, 1 an error or a failed check, 2 a wrong command line, 130 interrupted.
 """
@@ -301,6 +303,21 @@ def show(
     with display(quiet) as listener:
         arguments = {"source": str(model), "settings": dict(settings or ()), "port": port}
         run("show", arguments, listener)
+
+
+@app.command()
+def studio(
+    design: Annotated[
+        Path | None, typer.Argument(help="A design file; new if it does not exist.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Where the page is served.", show_default="any free one")
+    ] = None,
+) -> None:
+    """Shape a shell in a page of the browser, until Ctrl-C. This machine only."""
+    from ifs_cad.studio.run import run
+
+    run(design, port, typer.echo)
 
 
 def main() -> None:

@@ -46,6 +46,9 @@ class Listener:
         """Hear a line that a script printed to "stdout" or "stderr"."""
         self.heard += f"{line}\n"
 
+    def idle(self) -> None:
+        """Hear nothing for a moment; whoever wants the job to end raises an exception here."""
+
 
 def run(job: str, arguments: dict[str, Any], listener: Listener) -> dict[str, Any]:
     """Run a job of `worker` in a process of its own and return its result.
@@ -66,7 +69,7 @@ def run(job: str, arguments: dict[str, Any], listener: Listener) -> dict[str, An
         The process died, or the job raised something else.
     """
     with tempfile.TemporaryFile() as complaints, _worker(complaints) as process:
-        for event in _events(process, {"job": job, "arguments": arguments}):
+        for event in _events(process, {"job": job, "arguments": arguments}, listener):
             match event:
                 case {"stage": name, "done": done, "total": total}:
                     listener.stage(name, done, total)
@@ -108,7 +111,9 @@ def _kill(process: subprocess.Popen[str]) -> None:
             os.killpg(process.pid, signal.SIGKILL)
 
 
-def _events(process: subprocess.Popen[str], request: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def _events(
+    process: subprocess.Popen[str], request: dict[str, Any], listener: Listener
+) -> Iterator[dict[str, Any]]:
     """Send a request and yield the answers until the worker falls silent."""
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
 
@@ -129,6 +134,7 @@ def _events(process: subprocess.Popen[str], request: dict[str, Any]) -> Iterator
             # not a read of the pipe, which Ctrl-C cannot interrupt on Windows
             line = lines.get(timeout=POLL_SECONDS)
         except queue.Empty:
+            listener.idle()
             continue
         if line is None:
             return
