@@ -17,8 +17,11 @@ from ifs_cad.types import FloatArray
 Rule = Literal["plane of the curve", "plane of the screen", "along x", "along y", "along z"]
 RULES: tuple[Rule, ...] = get_args(Rule)
 
-GRAZING = np.sin(np.radians(8.0))
+GRAZING = np.sin(np.radians(5.0))
 """Where the line of sight is flatter to a plane or axis than this, it is not followed there."""
+
+FARTHEST = 4.0
+"""No point is dragged so many times as far from the eye as it was."""
 
 DECIMALS = 6  # of mm: finer than any hand, and free of the noise of the computation
 
@@ -72,10 +75,13 @@ class Grip:
 
     def _on_plane(self, target: FloatArray, eye: FloatArray, sight: FloatArray) -> FloatArray:
         normal = self.plane.normal
+        apart = (self.start - eye) @ normal
+        away = float(np.linalg.norm(self.start - eye))
         steep = sight @ normal
-        if abs(steep) > GRAZING:
-            way = (self.start - eye) @ normal / steep
-            if way > 0.0:
+        # asked at the start, so that one drag is of one kind
+        if abs(apart) > GRAZING * away and steep * apart > 0.0:
+            way = apart / steep
+            if way < FARTHEST * away:
                 return np.asarray(eye + way * sight)
         return np.asarray(target - (target - self.start) @ normal * normal)
 

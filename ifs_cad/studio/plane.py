@@ -12,6 +12,7 @@ from ifs_cad.vectors import cross
 
 UP = np.array([0.0, 0.0, 1.0])
 FRONT = np.array([0.0, -1.0, 0.0])
+RIGHT = np.array([1.0, 0.0, 0.0])
 
 __all__ = ["CurvePlane", "plane_of"]
 
@@ -54,9 +55,9 @@ def plane_of(points: ArrayLike, tol: Tolerance = DEFAULT) -> CurvePlane:
     _, sizes, axes = np.linalg.svd(rows - origin)
     sizes = np.pad(sizes, (0, max(0, 3 - len(sizes))))
     spread = (sizes > 0.0) & (sizes > tol.parallel * sizes[0])
-    normal = axes[2] if spread[1] else _square_to(axes[0] if spread[0] else FRONT, tol)
+    normal = axes[2] if spread[1] else _square_to(axes[0] if spread[0] else RIGHT, tol)
     is_level = abs(normal[2]) > 1.0 - tol.parallel
-    right = np.array([1.0, 0.0, 0.0]) if is_level else cross(UP, normal)
+    right = RIGHT if is_level else cross(UP, normal)
     # the side from which x, or failing that y, grows to the right
     grows = next((value for value in right if abs(value) > tol.parallel), 1.0)
     right = right * np.sign(grows) / np.linalg.norm(right)

@@ -23,7 +23,7 @@ METRES = 1e-3
 FINE, BOLD = 1.0, 2.5  # px
 MARK_SIZE = 0.012  # of the size of the design
 NO_LINES = np.empty((0, 2, 3))
-VIEW = np.array([-0.62, -1.0, 0.55])
+VIEW = np.array([-1.0, -1.0, 0.7])
 """From the design towards the camera."""
 DISTANCE = 1.1  # of the size of the design
 FADE = 4.0  # of the size of the design
