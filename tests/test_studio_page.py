@@ -142,7 +142,8 @@ def open_page(studio: Any) -> Iterator[Page]:
         pytest.skip(f"no browser: install one of {', '.join(BROWSERS)}")
     with playwright.sync_playwright() as p:
         browser = p.chromium.launch(executable_path=path, args=BROWSER_OPTIONS)
-        page = browser.new_page(viewport={"width": 760, "height": 520})
+        context = browser.new_context(viewport={"width": 760, "height": 520})
+        page = context.new_page()
         page.set_default_timeout(1000 * PATIENCE)
         asked: list[str] = []
         page.on("request", lambda request: asked.append(request.url))

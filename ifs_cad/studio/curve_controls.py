@@ -43,6 +43,7 @@ class CurveControls:
         self._selection = selection
         self._curve = curve
         self._actions = {"Add": self._add, "Remove": self._remove, "Put back": self._put_back}
+        self._plotted: tuple[DrawnCurve, int | str] | None = None
         self._plot = gui.add_html("")
         self._depth(gui)
         with gui.add_folder("Selected point"):
@@ -52,10 +53,12 @@ class CurveControls:
         bindings.follow(self._follow)
 
     def draw(self, view: CurveView, snapshot: Snapshot) -> None:
-        """Show the drawing."""
-        svg = curve_plot(view, self._selection.of(self._curve, snapshot.design))
-        if self._plot.content != svg:
-            self._plot.content = svg
+        """Show the drawing, if it is another."""
+        selected = self._selection.of(self._curve, snapshot.design)
+        plotted = (self._drawn(snapshot), selected)
+        if plotted != self._plotted:
+            self._plotted = plotted
+            self._plot.content = curve_plot(view, selected)
 
     def _drawn(self, snapshot: Snapshot) -> DrawnCurve:
         drawn: DrawnCurve = getattr(snapshot.design, self._curve)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -140,11 +141,9 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
         Also make panels, labels and the report; without, only curves and surface, which is what
         can follow a mouse.
     """
-    problems: list[Problem] = []
-    (view_a, curve_a), (view_b, curve_b) = (
-        _curve_view("a", design.a, problems),
-        _curve_view("b", design.b, problems),
-    )
+    view_a, curve_a, wrong_a = _curve_view("a", design.a)
+    view_b, curve_b, wrong_b = _curve_view("b", design.b)
+    problems = [*wrong_a, *wrong_b]
     surface, mesh, shell, labels = _Surface(), None, None, _no_labels()
     if curve_a is not None and curve_b is not None:
         view_b = replace(view_b, shift=curve_a.points[0] - curve_b.points[0])
@@ -181,10 +180,19 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
     )
 
 
+@lru_cache(2)  # one of the curves stays while the other is dragged
 def _curve_view(
+    name: CurveName, drawn: DrawnCurve
+) -> tuple[CurveView, Curve | None, tuple[Problem, ...]]:
+    """Return how a curve is drawn, the curve if the surface can be made of it, what is wrong."""
+    problems: list[Problem] = []
+    view, curve = _drawn_curve(name, drawn, problems)
+    return view, curve, tuple(problems)
+
+
+def _drawn_curve(
     name: CurveName, drawn: DrawnCurve, problems: list[Problem]
 ) -> tuple[CurveView, Curve | None]:
-    """Return how a curve is drawn, and the curve if the surface can be made of it."""
     control, weights = np.array(drawn.control_points), np.array(drawn.weights)
     view = CurveView(control, weights, drawn.closed, drawn.moved, None)
     curve = None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from ifs_cad.errors import IfsCadError, InputError
 from ifs_cad.studio.bindings import Bindings
 from ifs_cad.studio.events import on_click, on_upload
 from ifs_cad.studio.session import UNTITLED, Session, Snapshot
+from ifs_cad.studio.words import small_html
 
 Tell = Callable[[Any, str, str, bool], None]
 """Shows a notification to a client: title, text, and whether it is about something good."""
@@ -163,6 +163,6 @@ class FileControls:
     def _follow(self, snapshot: Snapshot) -> None:
         name = "no file yet" if self._session.path is None else self._session.path.name
         state = "saved" if snapshot.is_saved and self._session.path else "not saved"
-        text = f'<div style="font-size:0.82em;color:#8a8178">{escape(name)}: {state}</div>'
+        text = small_html(f"{name}: {state}")
         if self._saved.content != text:
             self._saved.content = text

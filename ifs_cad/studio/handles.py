@@ -15,7 +15,7 @@ from ifs_cad.studio.events import on_click, on_drag
 from ifs_cad.studio.grip import Grip, Rule
 from ifs_cad.studio.model import StudioModel
 from ifs_cad.studio.plane import plane_of
-from ifs_cad.studio.scene import METRES, corners_of
+from ifs_cad.studio.scene import METRES, corners_of, put
 from ifs_cad.types import FloatArray
 
 CONTROL_RADIUS, SUBDIVISION_RADIUS = 0.011, 0.0085  # of the size of the design
@@ -75,6 +75,7 @@ class Handles:
         self._selected = selected
         self._balls: dict[Key, Any] = {}
         self._names: dict[Key, Any] = {}
+        self._places: dict[Key, FloatArray] = {}
         self._radius = 0.0
         self._views: dict[str, CurveView] = {}
         self._grips: dict[int, tuple[Key, Grip, FloatArray]] = {}
@@ -111,38 +112,39 @@ class Handles:
         for key in self._names.keys() - (places.keys() if self.show_names else set()):
             self._names.pop(key).remove()
         for key, place in places.items():
-            position = tuple((place * METRES).tolist())
-            ball = self._balls.get(key) or self._add(key, position)
-            if not np.allclose(ball.position, position, rtol=0.0, atol=1e-12):
-                ball.position = position
+            x, y, z = (place * METRES).tolist()
+            ball = self._balls.get(key)
+            if ball is None:
+                ball = self._add(key)
+                put(ball, (x, y, z))
+            elif not np.array_equal(place, self._places[key]):
+                ball.position = (x, y, z)
             colour = _colour(key, selection)
             if ball.color != colour:
                 ball.color = colour
             if self.show_names:
-                self._label(key, position)
+                self._label(key, (x, y, z))
+        self._places = places
 
     def _resize(self, evaluation: Evaluation) -> None:
-        """Make all balls anew when the design has become much larger or smaller."""
+        """Fit the balls to a design that has become much larger or smaller."""
         low, high = corners_of(evaluation)
         size = float(np.linalg.norm(high - low)) * METRES
         if self._grips or 0.7 < self._radius / max(size, 1e-9) < 1.4:
             return
         self._radius = max(size, 1e-9)
-        for ball in self._balls.values():
-            ball.remove()
-        self._balls.clear()
+        for key, ball in self._balls.items():
+            ball.scale = self._radius * _share(key)
 
-    def _add(self, key: Key, position: tuple[float, ...]) -> Any:
-        is_control = isinstance(key.handle, int)
-        radius = self._radius * (CONTROL_RADIUS if is_control else SUBDIVISION_RADIUS)
+    def _add(self, key: Key) -> Any:
         ball = self._server.scene.add_icosphere(
             f"/points/{key.curve}_{name_of(key.handle)}",
-            radius,
+            1.0,
             _colour(key, None),
             subdivisions=2,
             cast_shadow=False,
             receive_shadow=False,
-            position=position,
+            scale=self._radius * _share(key),
         )
         self._balls[key] = ball
 
@@ -159,7 +161,7 @@ class Handles:
         eye = np.array(event.client.camera.position) / METRES
         if event.phase == "start":
             view = self._views[key.curve]
-            start = np.array(self._balls[key].position) / METRES
+            start = self._places[key]
             grabbed = np.array(event.start_position) / METRES
             plane = plane_of(view.control_points + view.shift)
             self._grips[event.client_id] = (key, Grip(start, grabbed, plane, self.rule), view.shift)
@@ -176,15 +178,15 @@ class Handles:
             del self._grips[event.client_id]
             self._editor.settle()
 
-    def _label(self, key: Key, position: tuple[float, ...]) -> None:
+    def _label(self, key: Key, position: tuple[float, float, float]) -> None:
         label = self._names.get(key)
         if label is None:
-            self._names[key] = self._server.scene.add_label(
+            label = self._names[key] = self._server.scene.add_label(
                 f"/names/{key.curve}_{name_of(key.handle)}",
                 f"{key.curve.upper()} {name_of(key.handle)}",
-                position=position,
                 anchor="bottom-left",
             )
+            put(label, position)
         else:
             label.position = position
 
@@ -194,6 +196,11 @@ def _move(model: StudioModel, key: Key, place: FloatArray) -> None:
         model.move_subdivision_point(key.curve, key.handle, place)
     else:
         model.move_control_point(key.curve, key.handle, place)
+
+
+def _share(key: Key) -> float:
+    """Return the radius of a ball, as a share of the size of the design."""
+    return CONTROL_RADIUS if isinstance(key.handle, int) else SUBDIVISION_RADIUS
 
 
 def _colour(key: Key, selection: Key | None) -> look.Colour:

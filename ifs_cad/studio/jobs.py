@@ -192,7 +192,7 @@ def step_file(design: Design, stem: str, listener: Listener) -> Made:
     with tempfile.TemporaryDirectory(prefix="ifs-cad-") as scratch:
         result = build(_written(design, stem, scratch), out=Path(scratch, "out"), listener=listener)
         path = result.written[0].path
-        return Made(path.name, path.read_bytes(), result.summary())
+        return Made(path.name, path.read_bytes(), "\n".join(result.reports))
 
 
 def fabrication_folder(design: Design, stem: str, listener: Listener) -> Made:

@@ -20,7 +20,9 @@ from ifs_cad.studio.jobs import (
     fabrication_folder,
     step_file,
 )
+from ifs_cad.studio.look import WRONG, css
 from ifs_cad.studio.session import Session
+from ifs_cad.studio.words import GREY, PADDING, table_html
 from ifs_cad.workflow.analyse import Question
 
 SUPPORTS = ("standing", "a start, a end", "b start, b end", "borders")
@@ -109,7 +111,8 @@ class MakeControls:
         self._again.visible = state.state == "done"
         self._result.visible = not running
         if running:
-            self._stage.content = f"<b>{escape(state.what)}</b>: {escape(state.stage)}"
+            said = f"<b>{escape(state.what)}</b>: {escape(state.stage)}"
+            self._stage.content = f'<div style="padding:{PADDING}">{said}</div>'
             self._bar.animated = state.share is None
             self._bar.value = 100.0 * (1.0 if state.share is None else state.share)
         elif state.made is not None and state.made is not self._shown:
@@ -133,14 +136,14 @@ def _made_html(what: str, made: Made) -> str:
             f'<img alt="deformed shell" style="width:100%" src="data:image/png;base64,{data}">'
         )
     return (
-        f"<b>{escape(what)}</b>: {escape(made.name)}, {size:.1f} MB{picture}"
-        f'<pre style="font-size:0.72em;white-space:pre-wrap">{escape(made.summary)}</pre>'
+        f'<div style="padding:{PADDING}"><b>{escape(what)}</b>: {escape(made.name)}, '
+        f"{size:.1f} MB{picture}</div>{table_html(made.summary)}"
     )
 
 
 def _failed_html(state: JobState) -> str:
-    colour = "#8a8178" if state.state == "cancelled" else "#d62424"
+    colour = GREY if state.state == "cancelled" else css(WRONG)
     return (
-        f'<div style="color:{colour};font-size:0.85em;overflow-wrap:anywhere">'
+        f'<div style="padding:{PADDING};color:{colour};font-size:0.85em;overflow-wrap:anywhere">'
         f"<b>{escape(state.what)}</b>: {escape(state.message)}</div>"
     )

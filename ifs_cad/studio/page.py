@@ -80,7 +80,7 @@ class StudioPage:
 
     def _build(self) -> None:
         gui = self._server.gui
-        history = gui.add_button_group("History", ("Undo", "Redo", "Fit view"))
+        history = gui.add_button_group("Edit", ("Undo", "Redo", "Fit view"))
         self._status = gui.add_html("")
         tabs = gui.add_tab_group()
         self._curves = {}

@@ -25,13 +25,16 @@ MARK_SIZE = 0.012  # of the size of the design
 NO_LINES = np.empty((0, 2, 3))
 VIEW = np.array([-1.0, -1.0, 0.7])
 """From the design towards the camera."""
-DISTANCE = 1.1  # of the size of the design
+DISTANCE = 1.0  # of the size of the design
 FADE = 4.0  # of the size of the design
-EDGE_WIDTH = 0.0006  # of the size of the design, on each of two faces
+EDGE_WIDTH = 0.0008  # of the size of the design, on each of two faces
 MOST_OUTLINED = 4096
-"""Of more faces no edges are shown: they would hide the faces."""
+"""Of more panels no edges are shown: they would hide the faces."""
 
-__all__ = ["METRES", "Scene", "corners_of", "panels_of_faces"]
+MOST_OUTLINED_DRAGGED = 1024
+"""Of a surface with more faces none are: it has to follow the mouse."""
+
+__all__ = ["METRES", "Scene", "corners_of", "panels_of_faces", "put"]
 
 
 class Scene:
@@ -46,6 +49,7 @@ class Scene:
         self._server = server
         self._meshes: dict[str, Any] = {}
         self._lines: dict[str, Any] = {}
+        self._clouds: dict[str, Any] = {}
         self._grid: tuple[Any, ...] = ()
         self.show_panels = True
         self.show_edges = True
@@ -106,7 +110,7 @@ class Scene:
         self._mesh("surface", corners, _triangles(faces[plain]), look.SURFACE)
         self._mesh("wrong", corners, _triangles(faces[wrong]), look.WRONG)
         self._mesh("doubtful", corners, _triangles(faces[doubtful]), look.DOUBTFUL)
-        if self.show_edges and len(faces) <= MOST_OUTLINED:
+        if self.show_edges and len(faces) <= MOST_OUTLINED_DRAGGED:
             self._mesh("edges", *quad_outlines(corners, faces, width), look.EDGE)
         else:
             self._hide("edges")
@@ -136,9 +140,14 @@ class Scene:
                 if item.severity == severity
             ]
             points = np.concatenate([np.empty((0, 3)), *places]) * METRES
-            self._server.scene.add_point_cloud(
+            points = points[np.isfinite(points).all(axis=1)]
+            if not len(points):
+                if severity in self._clouds:
+                    self._clouds.pop(severity).remove()
+                continue
+            self._clouds[severity] = self._server.scene.add_point_cloud(
                 f"/marks/{severity}",
-                points[np.isfinite(points).all(axis=1)].astype(np.float32),
+                points.astype(np.float32),
                 colour,
                 point_size=size,
                 point_shape="circle",
@@ -155,11 +164,10 @@ class Scene:
         if state == self._grid:
             return
         self._grid = state
-        self._server.scene.add_grid(
+        grid = self._server.scene.add_grid(
             "/ground",
             infinite_grid=True,
             plane="xy",
-            position=(0.0, 0.0, height * METRES),
             cell_size=section / 2,
             section_size=section,
             cell_color=look.GRID,
@@ -170,6 +178,7 @@ class Scene:
             fade_strength=1.5,
             shadow_opacity=0.0,
         )
+        put(grid, (0.0, 0.0, height * METRES))
 
     def _mesh(self, name: str, vertices: FloatArray, triangles: IntArray, colour: Colour) -> None:
         """Show triangles under a name; only what changed is sent."""
@@ -213,6 +222,18 @@ class Scene:
                 f"/{name}", points, colour, thickness=width, thickness_units="screen"
             )
         handle.visible = True
+
+
+def put(node: Any, place: tuple[float, float, float]) -> None:
+    """Move a node of the scene, m.
+
+    viser does not tell the page of a place that a new node has anyway, the origin; but the page
+    remembers where a former node of the same name was.
+    """
+    x, y, z = place
+    if not node.position.any():
+        node.position = (x, y, z + 1.0)
+    node.position = (x, y, z)
 
 
 def corners_of(evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
