@@ -20,7 +20,7 @@ from ifs_cad.studio.evaluation import Evaluation
 from ifs_cad.studio.events import on_click, on_trigger, on_update
 from ifs_cad.studio.file_controls import FileControls
 from ifs_cad.studio.grip import RULES
-from ifs_cad.studio.handles import CURVES, Handles
+from ifs_cad.studio.handles import CURVES, Handles, Key
 from ifs_cad.studio.make_controls import MakeControls
 from ifs_cad.studio.recompute import Recomputer
 from ifs_cad.studio.scene import Scene
@@ -68,6 +68,10 @@ class StudioPage:
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until the page shows the newest design, and tell whether it does."""
         return self._recomputer.wait(timeout)
+
+    def select(self, key: Key) -> None:
+        """Select a point as a click on it does."""
+        self._call(lambda: self._selection.choose(key))
 
     def close(self) -> None:
         """End all threads and jobs, and keep what was not saved."""
