@@ -52,7 +52,7 @@ $(VENV)/.installed: $(VENV)/.created pyproject.toml constraints.txt
 
 $(VENV)/.installed-for-development: $(VENV)/.created pyproject.toml constraints.txt
 	@echo "Installing ifs_cad, the CAD kernel and the test tools into $(VENV): a few minutes."
-	@$(PIP) --editable '.[view,mesh,fabrication,nesting,structure,docs,test,dev]'
+	@$(PIP) --editable '.[view,mesh,fabrication,nesting,structure,studio,docs,test,dev]'
 	@touch $@
 
 $(VENV)/.created:

@@ -573,6 +573,21 @@ def show(
         run("show", arguments, listener)
 
 
+@app.command()
+def studio(
+    design: Annotated[
+        Path | None, typer.Argument(help="A design file; new if it does not exist.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Where the page is served.", show_default="any free one")
+    ] = None,
+) -> None:
+    """Shape a shell in a page of the browser, until Ctrl-C. This machine only."""
+    from ifs_cad.studio.run import run
+
+    run(design, port, typer.echo)
+
+
 def main() -> None:
     """Run the command line."""
     app()

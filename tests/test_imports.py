@@ -40,6 +40,9 @@ KERNEL_ROOMS = {"kernel", "view"}  # pictures are drawn of the kernel's shapes
 MAY_IMPORT_THE_KERNEL = {"ifs_cad.export.step", "ifs_cad.export.vtu"}
 VIEWER_LIBRARIES = {"ocp_tessellate", "ocp_viewer", "ocp_viewer_core", "ocp_vscode"}
 MAY_IMPORT_THE_VIEWER = {"ifs_cad.view.preview"}
+PAGE_LIBRARIES = {"viser"}
+MAY_IMPORT_THE_PAGE = {"ifs_cad.studio.server", "ifs_cad.studio.run"}
+STUDIO_WITHOUT_A_PAGE = ("model", "editing", "evaluation", "session", "recompute", "access", "jobs")
 MAY_LOAD_SCIPY = {"ifs_cad.elements.clash"}
 
 
@@ -208,12 +211,20 @@ def test_outside_libraries_are_imported_only_in_their_room(module):
         forbidden |= KERNEL_LIBRARIES
     if module not in MAY_IMPORT_THE_VIEWER:
         forbidden |= VIEWER_LIBRARIES
+    if module not in MAY_IMPORT_THE_PAGE:
+        forbidden |= PAGE_LIBRARIES
     found = [
         f"line {line}: {name}"
         for name, line, for_types in imports_of(module)
         if name.partition(".")[0] in forbidden and not for_types
     ]
     assert found == []
+
+
+def test_the_studio_without_its_page_loads_neither_page_nor_kernel():
+    names = ", ".join(f"ifs_cad.studio.{name}" for name in STUDIO_WITHOUT_A_PAGE)
+    loaded = packages_loaded_by(f"import {names}")
+    assert loaded.isdisjoint(PAGE_LIBRARIES | KERNEL_LIBRARIES)
 
 
 def test_every_public_name_is_found_where_the_type_checker_looks():

@@ -57,14 +57,19 @@ def panel_view(solids: Polyhedra) -> PanelView:
     )
 
 
-def label_lines(frames: CuttingFrames, places: LabelPlaces) -> FloatArray:
-    """Return (n, 2, 3) float, mm: the strokes of all labels as short straight lines in the shell.
+def label_lines(frames: CuttingFrames, places: LabelPlaces) -> tuple[FloatArray, FloatArray]:
+    """Return the strokes of all labels as short straight lines in the shell.
 
     Parameters
     ----------
     frames : CuttingFrames
     places : LabelPlaces
         The labels placed in them.
+
+    Returns
+    -------
+    lines : (n, 2, 3) float, mm
+    normals : (n, 3) float, outward unit vectors of the faces that the lines are on
     """
     owners: dict[str, list[int]] = {}
     shifts: dict[str, list[float]] = {}
@@ -88,7 +93,8 @@ def label_lines(frames: CuttingFrames, places: LabelPlaces) -> FloatArray:
     height = np.full((*flat.shape[:2], 1), frames.thickness)
     laid = np.concatenate([flat, height], axis=2)
     offsets = frames.offsets[panel, None]
-    return np.asarray(np.einsum("nji,nkj->nki", frames.axes[panel], laid - offsets))
+    axes = frames.axes[panel]
+    return np.asarray(np.einsum("nji,nkj->nki", axes, laid - offsets)), axes[:, 2]
 
 
 @lru_cache(MOST_FACES)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -96,6 +97,7 @@ class Evaluation:
     shell : Shell or None
     panels : PanelView or None
     labels : (n, 2, 3) float, mm, strokes as lines
+    label_normals : (n, 3) float, of the faces that they are on
     report : Report or None
     problems : tuple of Problem
     """
@@ -109,6 +111,7 @@ class Evaluation:
     shell: Shell | None
     panels: PanelView | None
     labels: FloatArray
+    label_normals: FloatArray
     report: Report | None
     problems: tuple[Problem, ...]
 
@@ -138,12 +141,10 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
         Also make panels, labels and the report; without, only curves and surface, which is what
         can follow a mouse.
     """
-    problems: list[Problem] = []
-    (view_a, curve_a), (view_b, curve_b) = (
-        _curve_view("a", design.a, problems),
-        _curve_view("b", design.b, problems),
-    )
-    surface, mesh, shell, labels = _Surface(), None, None, np.empty((0, 2, 3))
+    view_a, curve_a, wrong_a = _curve_view("a", design.a)
+    view_b, curve_b, wrong_b = _curve_view("b", design.b)
+    problems = [*wrong_a, *wrong_b]
+    surface, mesh, shell, labels = _Surface(), None, None, _no_labels()
     if curve_a is not None and curve_b is not None:
         view_b = replace(view_b, shift=curve_a.points[0] - curve_b.points[0])
         if curve_a.segments * curve_b.segments > MOST_FACES:
@@ -173,16 +174,25 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
         surface.addresses,
         shell,
         None if shell is None else panel_view(shell.solids),
-        labels,
+        *labels,
         None if shell is None else shell.report(),
         tuple(problems),
     )
 
 
+@lru_cache(2)  # one of the curves stays while the other is dragged
 def _curve_view(
+    name: CurveName, drawn: DrawnCurve
+) -> tuple[CurveView, Curve | None, tuple[Problem, ...]]:
+    """Return how a curve is drawn, the curve if the surface can be made of it, what is wrong."""
+    problems: list[Problem] = []
+    view, curve = _drawn_curve(name, drawn, problems)
+    return view, curve, tuple(problems)
+
+
+def _drawn_curve(
     name: CurveName, drawn: DrawnCurve, problems: list[Problem]
 ) -> tuple[CurveView, Curve | None]:
-    """Return how a curve is drawn, and the curve if the surface can be made of it."""
     control, weights = np.array(drawn.control_points), np.array(drawn.weights)
     view = CurveView(control, weights, drawn.closed, drawn.moved, None)
     curve = None
@@ -308,11 +318,17 @@ def _find_clashes(shell: Shell, surface: _Surface, problems: list[Problem]) -> N
         problems.append(_marking(surface, message, [shell.addresses[i] for i in clashing], "error"))
 
 
-def _labels(design: Design, shell: Shell, surface: _Surface, problems: list[Problem]) -> FloatArray:
+def _no_labels() -> tuple[FloatArray, FloatArray]:
+    return np.empty((0, 2, 3)), np.empty((0, 3))
+
+
+def _labels(
+    design: Design, shell: Shell, surface: _Surface, problems: list[Problem]
+) -> tuple[FloatArray, FloatArray]:
     """Return the strokes of the labels, and say where labels or holes have no room."""
     label = design.label
     if label is None and design.holes is None:
-        return np.empty((0, 2, 3))
+        return _no_labels()
     face = "inner" if label is None else label.face
     frames = cutting_frames(shell, face, (0.0, 0.0, 1.0) if label is None else label.up)
     holes = None
@@ -322,12 +338,12 @@ def _labels(design: Design, shell: Shell, surface: _Surface, problems: list[Prob
     except HoleError as error:
         problems.append(_at(surface, error))
     if label is None:
-        return np.empty((0, 2, 3))
+        return _no_labels()
     try:
         return label_lines(frames, place_labels(shell.addresses, frames, label, holes, shell.tol))
     except IfsCadError as error:
         problems.append(_at(surface, error))
-        return np.empty((0, 2, 3))
+        return _no_labels()
 
 
 def _at(surface: _Surface, error: IfsCadError) -> Problem:

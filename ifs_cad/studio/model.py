@@ -258,6 +258,12 @@ class StudioModel:
         self._kept = self._design
         return True
 
+    def keep_in(self, path: str | os.PathLike[str]) -> None:
+        """Write the autosave to another file from now on; the former one is left alone."""
+        if self._autosave != Path(path):
+            self._autosave = Path(path)
+            self._kept = self._saved
+
     def discard_autosave(self) -> None:
         """Remove the autosave, when all is saved or the designer does not want it back."""
         if self._autosave is not None:

@@ -46,6 +46,9 @@ class Listener:
         """Hear a line that a script printed to "stdout" or "stderr"."""
         self.heard += f"{line}\n"
 
+    def idle(self) -> None:
+        """Hear nothing for a moment; whoever wants the job to end raises an exception here."""
+
 
 Job = Callable[[str, dict[str, Any]], dict[str, Any]]
 
@@ -150,13 +153,14 @@ def _answers(process: subprocess.Popen[str]) -> queue.SimpleQueue[str | None]:
     return lines
 
 
-def _events(answers: queue.SimpleQueue[str | None]) -> Iterator[dict[str, Any]]:
+def _events(answers: queue.SimpleQueue[str | None], listener: Listener) -> Iterator[dict[str, Any]]:
     """Yield the events of a worker until it falls silent."""
     while True:
         try:
             # not a read of the pipe, which Ctrl-C cannot interrupt on Windows
             line = answers.get(timeout=POLL_SECONDS)
         except queue.Empty:
+            listener.idle()
             continue
         if line is None:
             return
