@@ -17,9 +17,10 @@ from typing import Literal
 from ifs_cad.design_file import SUFFIX, write_design
 from ifs_cad.design_record import Design
 from ifs_cad.errors import IfsCadError, InputError
-from ifs_cad.workflow.analyse import Question, analyse
+from ifs_cad.workflow.analyse import analyse
 from ifs_cad.workflow.build import build
 from ifs_cad.workflow.fabricate import fabricate
+from ifs_cad.workflow.question import Question
 from ifs_cad.workflow.supervise import Listener
 
 State = Literal["none", "running", "done", "failed", "cancelled"]

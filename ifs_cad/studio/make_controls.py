@@ -23,7 +23,7 @@ from ifs_cad.studio.jobs import (
 from ifs_cad.studio.look import WRONG, css
 from ifs_cad.studio.session import Session
 from ifs_cad.studio.words import GREY, PADDING, table_html
-from ifs_cad.workflow.analyse import Question
+from ifs_cad.workflow.question import Question
 
 SUPPORTS = ("standing", "a start, a end", "b start, b end", "borders")
 JOINTS = ("hinge", "rigid")

@@ -91,7 +91,7 @@ def session(listener: Listener) -> Iterator[Job]:
             with contextlib.suppress(OSError):
                 process.stdin.write(json.dumps({"job": job, "arguments": arguments}) + "\n")
                 process.stdin.flush()  # and left open: its end tells the worker that we are gone
-            for event in _events(answers):
+            for event in _events(answers, listener):
                 match event:
                     case {"stage": name, "done": done, "total": total}:
                         listener.stage(name, done, total)
