@@ -99,7 +99,7 @@ class MakeControls:
             load=self._load.value,
             half=self._half.value,
             weight=self._weight.value,
-            supports=self._supports.value,
+            supports=(self._supports.value,),
             joints=self._joints.value,
         )
         return partial(analysis, self._session.snapshot().design, self._session.stem, question)
