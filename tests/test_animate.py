@@ -104,7 +104,7 @@ def test_the_command_sweeps_a_parameter_of_a_script(tmp_path: Path) -> None:
 def test_whole_numbers_go_one_by_one_and_others_evenly(
     sweep: tuple[str, str], frames: int | None, values: list[str]
 ) -> None:
-    from ifs_cad.cli import _values
+    from ifs_cad.cli.see import _values
 
     assert _values(*sweep, frames) == values
 

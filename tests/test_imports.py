@@ -60,7 +60,7 @@ def room(module: str) -> str:
 
 
 def is_light(module: str) -> bool:
-    return module == "ifs_cad.cli" or LEVELS[room(module)] < LEVELS["structure"]
+    return room(module) == "cli" or LEVELS[room(module)] < LEVELS["structure"]
 
 
 class Import(NamedTuple):
