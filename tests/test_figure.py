@@ -257,7 +257,7 @@ def test_control_points_move_a_barycentric_figure():
 def test_barycentric_maps_of_a_triangle_are_maps_of_the_plane():
     figure = Figure(GASKET, TRIANGLE.T)
     expected = [[[0.5, 0, x / 2], [0, 0.5, y / 2], [0, 0, 1]] for x, y in TRIANGLE]
-    assert np.abs(figure.space_maps - expected).max() <= 1e-15
+    assert np.abs(figure.space_maps - expected).max() <= 1e-14
     assert figure.is_similarity
     same = Figure(expected, germ=TRIANGLE[[0, 2]])
     assert np.abs(figure.at_depth(4) - same.at_depth(4)).max() <= 1e-14
