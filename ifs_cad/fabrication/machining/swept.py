@@ -154,8 +154,27 @@ def depths(sweeps: Sweeps, solids: Solids, slack: float) -> tuple[IntArray, IntA
     first, second, gaps = first[unclear], second[unclear], gaps[unclear]
     gaps = np.maximum(gaps, _corner_gaps(sweeps[first], solids.corners[second]))
     enters = gaps < -slack
-    enters[enters] = ~_parted(sweeps[first[enters]], solids.corners[second[enters]], slack)
+    doubtful = enters.copy()
+    doubtful[enters] = ~_pierces(sweeps[first[enters]], solids, second[enters], slack)
+    enters[doubtful] = ~_parted(sweeps[first[doubtful]], solids.corners[second[doubtful]], slack)
     return first[enters], second[enters], -gaps[enters]
+
+
+def _pierces(sweeps: Sweeps, solids: Solids, which: IntArray, slack: float) -> BoolArray:
+    """Return which of k sweeps have a point of their axes, at either end, within their solids.
+
+    The point is taken halfway up the solid, as near to it as the cylinder reaches.
+    """
+    corners, normals = solids.corners[which], solids.normals[which]
+    levels = np.einsum("kfi,kvi->kfv", normals, corners).max(axis=2)
+    middle = corners[..., 2].mean(axis=1)
+    rise = np.where(np.abs(sweeps.axes[:, 2]) > slack, sweeps.axes[:, 2], np.inf)
+    found = np.zeros(len(sweeps), dtype=bool)
+    for tips in (sweeps.starts, sweeps.ends):
+        up = np.clip((middle - tips[:, 2]) / rise, sweeps.bottoms, sweeps.tops)
+        points = tips + up[:, None] * sweeps.axes
+        found |= (np.einsum("kfi,ki->kf", normals, points) < levels - slack).all(axis=1)
+    return found
 
 
 def _widest_gaps(sweeps: Sweeps, corners: FloatArray, normals: FloatArray) -> FloatArray:
