@@ -25,6 +25,7 @@ from ifs_cad.fabrication.machining.orientation import RotaryHead
 from ifs_cad.fabrication.machining.post import FANUC, LINUXCNC, Post
 from ifs_cad.fabrication.machining.settings import Settings
 from ifs_cad.fabrication.machining.toolpath import toolpaths
+from ifs_cad.fabrication.machining.verify import verify
 
 NEAR = 1e-3  # mm and degrees
 
@@ -106,7 +107,12 @@ def hole_and_stroke_faults(motions, pieces, sheet):
 
 def assert_is_cut_as_designed(pieces, sheet, folder, settings=None):
     program = toolpaths(sheet, pieces, TOOLS, MACHINE, settings)
-    outcome = run(gcode(program), TOOLS, folder)
+    text = gcode(program)
+    found = verify(
+        text, sheet, pieces, TOOLS, MACHINE, settings=settings, linuxcnc=False, simulate=False
+    )
+    assert found.ok, str(found)  # no gouge, no collision, nothing left out
+    outcome = run(text, TOOLS, folder)
     assert outcome.accepted, outcome.errors
     assert outcome.ended
     assert not outcome.errors.strip() or "executing" in outcome.errors
@@ -231,7 +237,10 @@ def test_fanuc_program_is_the_same_with_other_angles(tmp_path):
     text = gcode(program, FANUC)
     assert text.startswith("%\nO0001\nN10 (SHEET sheet-01 2500 x 1250 x 10)\n")
     assert text.endswith("M30\n%\n")
-    assert "G43.4 H9 G0 Z50" in text
+    assert "G43.4 H9 G0 Z50." in text
+    # without its point a whole number would count in the control's smallest unit
+    assert not re.search(r"[XYZACIJR]-?\d+( |$)", text.replace("(", "\n("), re.MULTILINE)
+    assert "G81" not in text
     plain = text.replace("G43.4", "G43").replace("O0001\n", "")
     outcome = run(plain, TOOLS, tmp_path)
     assert outcome.accepted, outcome.errors
@@ -319,7 +328,7 @@ def test_programs_follow_the_rules_of_good_practice():
         text = gcode(toolpaths(sheet, pieces, TOOLS, MACHINE))
         lines = text.splitlines()
         code = [line for line in lines if not line.startswith("(")]
-        assert code[0] == "G21 G17 G90 G94 G40 G49 G80 G54"
+        assert code[0] == "G21 G17 G90 G94 G40 G49 G80 G54 G61"
         assert code[-1] == "M30"
         assert max(map(len, lines)) < 255
         assert text.isascii()

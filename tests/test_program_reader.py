@@ -114,9 +114,9 @@ def test_line_that_cannot_be_followed_is_refused(line, reason):
 
 
 def test_words_after_the_end_and_a_missing_end_are_faults():
-    (fault,) = read_program("G21\nM30\nG0 X1\n").faults
+    (fault,) = read_program("G21 G90\nM30\nG0 X1\n").faults
     assert (fault.line, "after the end" in fault.message) == (3, True)
-    (fault,) = read_program("G21\nG0 Z5\n").faults
+    (fault,) = read_program("G21 G90\nG0 Z5\n").faults
     assert (fault.line, "does not end" in fault.message) == (2, True)
 
 
@@ -162,7 +162,7 @@ MANY = (
     + (
         "G1 X30 F600\nG3 X40 Y30 I0 J10\nG2 X60 Y30 R10\nG2 X60 Y30 I4 J3\nG3 X70 Y20 R-10\n"
         "G98 G81 X1 Y2 Z-3 R15\nX5 Y-7\nG99 X9\nG83 X12 Z-4 R14 Q5\nY3\nG80\nG0 B-10 C350\n"
-        "G61 G1 Z2 F99.5\nG64 P0.01 X-3.12345 Y0.00004\nG93 X5 F3\nG94 G1 X6 F500"
+        "G61 G1 Z2 F99.5\nG64 P0.001 X-3.12345 Y0.00004\nG93 X5 F3\nG94 G1 X6 F500"
     )
     + END
 )

@@ -4,12 +4,14 @@ import math
 from dataclasses import replace
 
 import pytest
+from machining import prototype
 
 from ifs_cad.errors import InputError
 from ifs_cad.fabrication.machining.machine import Clamp, Machine
 from ifs_cad.fabrication.machining.orientation import RotaryHead
 from ifs_cad.fabrication.machining.post import FANUC, LINUXCNC, THREE_AXES
 from ifs_cad.fabrication.machining.router import Router, read_router
+from ifs_cad.fabrication.machining.setup import set_up
 from ifs_cad.fabrication.machining.tool import Tool
 
 MILL = Tool(1, "mill", "end mill", 8, 30, 50, 120, 32, 4000, 1200, 18000, 10)
@@ -166,6 +168,17 @@ def test_control_is_the_usual_one_of_the_axes_unless_a_file_says_otherwise(file)
     assert (convention.axes, convention.tilt_sign, convention.pivot) == ("AC", -1, 150.0)
 
 
+def test_file_says_how_sheets_are_cut_and_a_call_may_say_otherwise(file):
+    router = read_router(file("[settings]\nhold = 'skin'\nskin = 0.6\ndirection = 'conventional'"))
+    pieces, _ = prototype()
+    settings = set_up(pieces[:3], router).settings
+    assert (settings.hold, settings.skin, settings.direction) == ("skin", 0.6, "conventional")
+    settings = set_up(pieces[:3], router, hold="tabs", breakthrough=0.8).settings
+    assert (settings.hold, settings.skin, settings.breakthrough) == ("tabs", 0.6, 0.8)
+    # pierced, and nothing said: screwed to the table
+    assert set_up(pieces[:3], LIBRARY).settings.hold == "none"
+
+
 def test_machine_of_three_axes_does_not_tilt():
     assert replace(LIBRARY.machine, rotary="none").largest_tilt == 0.0
     with pytest.raises(InputError, match="for rotary axes BC; five-axis router has none"):
@@ -198,7 +211,9 @@ def test_machine_of_three_axes_does_not_tilt():
         ),
         ("[post]\nlike = 'fanuc'", "for rotary axes AC; five-axis router has BC"),
         ("[post]\ntilt_sign = 2", r"\[post\]: tilt_sign must be 1 or -1, got 2"),
-        ("[post]\ndecimals = 12", r"\[post\]: .*decimals must be 0 to 9"),
+        ("[post]\ndecimals = 12", r"\[post\]: .*decimals must be 3 to 9"),
+        ("[settings]\nhold = 'glue'", r"\[settings\]: Settings: hold must be one of tabs"),
+        ("[settings]\nglue = 1", r"\[settings\]: unknown key 'glue'"),
         ("[post]\ndialect = 1", r"\[post\]: unknown key 'dialect'"),
         ("[[machine.clamps]]\nx = [0, 1]", r"\[\[machine.clamps\]\] entry 1: y, z missing"),
     ],

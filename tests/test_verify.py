@@ -65,7 +65,9 @@ def test_simulation_sees_gouges_and_what_is_left():
     cut = found(r"G0 B\d+\.\d+ C", after=found("STEP contour")) + 3
     across = verified(changed(cut, r"X[-\d.]+ Y[-\d.]+", "X470 Y160"))
     assert any("By simulation" in f.message and f.address == "0212" for f in across.faults)
-    left = verified(changed(cut, "G1", "(G1").replace("F5000", "F5000"))
+    lines = program().splitlines()
+    del lines[cut - 1]
+    left = verified("\n".join(lines) + "\n")
     assert any("left uncut" in fault.message for fault in left.faults)
 
 
@@ -89,11 +91,65 @@ def test_bridges_and_skin_are_left_only_where_they_were_asked_for():
         )
     text = "\n".join(lifted) + "\n"
     assert not verified(text).ok
-    assert verified(text, settings=Settings(hold="skin", skin=0.4)).ok
-    (fault,) = verified(text, settings=Settings(hold="skin", skin=0.3), simulate=False).faults
-    assert fault.line == cut
+
+    def left(settings):
+        faults = verified(text, settings=settings, simulate=False).faults
+        return [f.line for f in faults if "left uncut" in f.message]
+
+    assert left(Settings(hold="skin", skin=0.4)) == []
+    assert left(Settings(hold="skin", skin=0.3)) == [cut]
     # a bridge is not as long as a side
     assert not verified(text, settings=Settings(hold="tabs")).ok
+
+
+@pytest.mark.parametrize(
+    ("settings", "blame"),
+    [
+        (Settings(hold="tabs"), "0 bridges hold it, at least 2 must"),
+        (Settings(hold="skin"), "the skin is 0.4 mm"),
+        (replace(SETTINGS, direction="conventional"), "not a conventional cut"),
+        (replace(SETTINGS, pass_depth=4.0), "A pass takes .* 4 mm are allowed"),
+    ],
+)
+def test_program_that_does_not_follow_the_settings_is_caught_at_each_piece(settings, blame):
+    found_ = verified(program(), settings=settings, simulate=False)
+    blamed = {fault.address for fault in found_.faults if re.search(blame, fault.message)}
+    assert blamed == {"0211", "0212"}, str(found_)
+
+
+@pytest.mark.parametrize("word", ["G21", "G90", "G17"])
+def test_program_that_trusts_what_the_machine_was_last_told_is_caught(word):
+    text = re.sub(rf"\b{word}\b *", "", program())
+    assert word not in text
+    assert any(f"{word} is missing" in fault.message for fault in verified(text).faults)
+
+
+def test_path_that_may_be_rounded_is_caught_at_its_line():
+    line = found("G21")
+    for mode, amount in (("G64", "any amount"), ("G64 P2", "2 mm")):
+        faults = verified(changed(line, "G21", f"G21 {mode}"), simulate=False).faults
+        assert [(fault.line, amount in fault.message) for fault in faults] == [(line, True)]
+    for mode in ("G61", "G64 P0.001"):
+        assert verified(changed(line, "G21", f"G21 {mode}"), simulate=False).ok
+
+
+@pytest.mark.parametrize("code", ["M0", "M5", "T12 M6"])
+def test_stop_or_tool_change_in_the_sheet_is_caught_at_its_line(code):
+    cut = found(r"G0 B\d+\.\d+ C", after=found("STEP contour")) + 3
+    lines = program().splitlines()
+    lines.insert(cut - 1, code)
+    faults = verified("\n".join(lines) + "\n", simulate=False).faults
+    assert any(f.line == cut and f.message.startswith(code.split()[-1]) for f in faults)
+
+
+def test_three_decimals_are_as_true_as_they_can_be_and_two_are_not():
+    def rounded(decimals):
+        return re.sub(
+            r"([XYZIJ])(-?\d+\.\d+)", lambda m: f"{m[1]}{float(m[2]):.{decimals}f}", program()
+        )
+
+    assert verified(rounded(3), simulate=False).ok
+    assert not verified(rounded(2), simulate=False).ok
 
 
 def test_missing_workpiece_and_wrong_convention_are_errors():

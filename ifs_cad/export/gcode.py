@@ -93,7 +93,7 @@ class _Writer:
         post, sheet = self.post, self.program.sheet
         self.lines += [line.format(number=sheet.number) for line in post.header]
         self._head()
-        self._line(f"G21 G17 G90 {post.feed_mode} G40 G49 G80 G54")
+        self._line(f"G21 G17 G90 {post.feed_mode} G40 G49 G80 G54 {post.path}".rstrip())
         angles = iter(self.angles.tolist())
         before = ""
         for step in self.program.steps:
@@ -112,7 +112,7 @@ class _Writer:
                 self._cut(cut, step.tool, next(angles))
             self._upright()
             self._line("M5")
-        self._line("G49")
+            self._line("G49")
         self.lines += [line.format(number=sheet.number) for line in post.footer]
         return "\n".join(self.lines) + "\n"
 
@@ -183,11 +183,19 @@ class _Writer:
         feeds, bulges = moves.feeds.tolist(), moves.bulges.tolist()
         for row in range(1, len(points)):
             if rapid[row]:
-                self._go("G0", points[row])
+                feed = self._withdrawal(moves, row)
+                self._go("G1" if feed else "G0", points[row], feed=feed)
                 continue
             inverse = self.post.feed_mode == "G93"
             feed = feeds[row] / ways[row] if inverse and ways[row] else feeds[row]
             self._go("G1", points[row], feed=feed, bulge=bulges[row], start=points[row - 1])
+
+    def _withdrawal(self, moves: Moves, row: int) -> float:
+        """Return the feed of a rapid move that must be a straight line all the same, else 0."""
+        leans = moves.axes[row, 2] < 1.0
+        rises = moves.tips[row, 2] > moves.tips[row - 1, 2]
+        straight = self.post.straight_rapids and leans and rises and self.post.feed_mode == "G94"
+        return self.program.machine.feed if straight else 0.0
 
     def _cycle(self, drilling: Drilling) -> None:
         """Write holes as G81, or as G83 when the chips have to be cleared."""
@@ -247,7 +255,8 @@ class _Writer:
         text = f"{value:.{self.post.decimals if decimals is None else decimals}f}"
         if "." in text:
             text = text.rstrip("0").rstrip(".")
-        return "0" if text == "-0" else text
+        text = "0" if text == "-0" else text
+        return f"{text}." if self.post.decimal_point and text.lstrip("-").isdigit() else text
 
     def _comment(self, text: str) -> None:
         if self.post.comments:

@@ -48,7 +48,6 @@ _CONTENTS = (
 )
 _FOR_SHEETS = (
     ("visible", "face that is seen", ""),
-    ("breakthrough", "how far contours reach below the sheet", " mm"),
     ("gap", "wood left between two cuts", " mm"),
     ("margin", "kept free along the edge of sheets", " mm"),
     ("method", "way of nesting", ""),
@@ -363,6 +362,7 @@ def _router(plan: Plan, workshop: Workshop) -> list[tuple[str, str]]:
         ("router", f"{setup.router.machine.name}, {setup.router.post.name}"),
         ("contours", str(setup.mill)),
         ("what holds the pieces", str(setup.settings)),
+        ("how far contours reach below the sheet", f"{setup.settings.breakthrough:g} mm"),
     ]
 
 

@@ -28,8 +28,9 @@ from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.tolerance import DEFAULT
 from ifs_cad.types import FloatArray
 
-USUAL_CUTTER = 12.0
-"""Diameter of the cutter that sheets are nested for when other software writes the programs, mm."""
+USUAL_CUTTER, USUAL_BREAKTHROUGH = 12.0, 0.5
+"""Diameter of the cutter that sheets are nested for when other software writes the programs, mm,
+and how far it reaches below them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,8 @@ def make_plan(
         reach = setup.spacing
     else:
         cutter = USUAL_CUTTER if workshop.cutter is None else workshop.cutter
-        reaches = (clearance_reach(piece, cutter, workshop.breakthrough) for piece in pieces)
+        below = USUAL_BREAKTHROUGH if workshop.breakthrough is None else workshop.breakthrough
+        reaches = (clearance_reach(piece, cutter, below) for piece in pieces)
         reach = max(one.beyond for one in reaches)
     rule = getattr(elements, "fibre", None)
     layout = nest(

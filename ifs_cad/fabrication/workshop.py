@@ -40,8 +40,8 @@ class Workshop:
     hold : "tabs", "skin", "none" or None
         What keeps pieces in place, see `fabrication.machining.settings`; by default nothing where
         all are pierced and so can be screwed to the table, the paper's way, and bridges elsewhere.
-    breakthrough : float
-        How far it reaches below the sheet, mm.
+    breakthrough : float, optional
+        How far contours reach below the sheet, mm; by default as the file of tools says, 0.5 mm.
     gap : float
         Wood left between two swept contours, mm.
     margin : float
@@ -66,7 +66,7 @@ class Workshop:
     tools: str | None = None
     cutter: float | None = None
     hold: Hold | None = None
-    breakthrough: float = 0.5
+    breakthrough: float | None = None
     gap: float = 1.0
     margin: float = 10.0
     kerf: float = 4.0
@@ -85,7 +85,7 @@ class Workshop:
                 raise InputError(f"{name} must be positive, got {value}.")
         for name in ("breakthrough", "gap", "margin", "kerf", "trim"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0):
+            if value is not None and not (math.isfinite(value) and value >= 0):
                 raise InputError(f"{name} must not be negative, got {value} mm.")
         if self.hold not in (None, *get_args(Hold)):
             raise InputError(f"hold must be one of {', '.join(get_args(Hold))}, got {self.hold!r}.")

@@ -190,8 +190,9 @@ def _verification(folder: Folder) -> None:
         found = verify_file(folder.programs / f"{sheet.name}.ngc", job, simulate=False)
         if not found.ok:
             raise CheckError(
-                f"The program that was written for {sheet.name} is not what was designed, so "
-                f"nothing was kept. Please report this.\n{found}"
+                f"The program that was written for {sheet.name} does not make what was designed, "
+                "so nothing was kept. Check the post in the file of tools; with a common one this "
+                f"is a mistake of ifs_cad.\n{found}"
             )
 
 

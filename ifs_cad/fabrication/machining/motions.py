@@ -93,6 +93,22 @@ class Label:
     address: str
 
 
+@dataclass(frozen=True)
+class Stop:
+    """Where a program waits, stands the spindle or changes the tool.
+
+    Attributes
+    ----------
+    line : int
+    code : str, "M0", "M1", "M5" or "M6"
+    height : float, Z as programmed, mm; NaN where not yet programmed
+    """
+
+    line: int
+    code: str
+    height: float
+
+
 @dataclass(frozen=True, eq=False)
 class Program:
     """A program as it was read.
@@ -104,6 +120,7 @@ class Program:
     faults : what could not be read, by line
     last_line : int, where it ends
     resolution : float, mm
+    stops : in the order of their lines
     """
 
     motions: Motions
@@ -111,6 +128,7 @@ class Program:
     faults: tuple[Fault, ...]
     last_line: int
     resolution: float
+    stops: tuple[Stop, ...] = ()
 
     @cached_property
     def _label_lines(self) -> list[int]:

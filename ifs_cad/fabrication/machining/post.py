@@ -18,6 +18,8 @@ from ifs_cad.fabrication.machining.convention import Convention
 from ifs_cad.fabrication.machining.machine import Machine, RotaryAxes
 from ifs_cad.fabrication.machining.orientation import RotaryHead
 
+FEWEST_DECIMALS = 3
+
 __all__ = ["FANUC", "LINUXCNC", "POSTS", "THREE_AXES", "Post"]
 
 
@@ -36,6 +38,15 @@ class Post:
         Words that take the length of a tool into account, `{tool}` for its number.
     feed_mode : "G94" or "G93"
         Feeds in mm/min, or as the inverse of the minutes that a move takes.
+    path : str
+        Words for how truly the path is followed, such as "G61"; without them a control may round
+        corners as it was last told.
+    decimal_point : bool
+        Whether whole numbers keep their point: a control that counts in its smallest unit reads
+        Z52 as 0.052 mm.
+    straight_rapids : bool
+        Whether a leaning tool is drawn out of its cut by G1, for controls whose G0 is no straight
+        line.
     cycles : bool
         Whether holes are drilled with G81 and G83, or with single moves.
     decimals, angle_decimals : int
@@ -56,6 +67,9 @@ class Post:
     tool_centre_point: bool = True
     tool_offset: str = "G43 H{tool}"
     feed_mode: Literal["G94", "G93"] = "G94"
+    path: str = ""
+    decimal_point: bool = False
+    straight_rapids: bool = False
     cycles: bool = True
     decimals: int = 4
     angle_decimals: int = 5
@@ -69,8 +83,11 @@ class Post:
         if self.feed_mode not in ("G94", "G93"):
             raise InputError(f"Post {self.name}: feed_mode must be G94 or G93.")
         for key in ("decimals", "angle_decimals"):
-            if not 0 <= getattr(self, key) <= 9:
-                raise InputError(f"Post {self.name}: {key} must be 0 to 9.")
+            if not FEWEST_DECIMALS <= getattr(self, key) <= 9:
+                raise InputError(
+                    f"Post {self.name}: {key} must be {FEWEST_DECIMALS} to 9, or planes are not "
+                    f"true; got {getattr(self, key)}."
+                )
         if self.line_numbers < 0:
             raise InputError(f"Post {self.name}: line_numbers must be 0 or more.")
 
@@ -84,6 +101,7 @@ class Post:
 LINUXCNC = Post(
     "LinuxCNC 5axiskins",
     RotaryHead("BC", tilt_sign=-1),
+    path="G61",
     remarks=("5axiskins.pivot-length: head and motion.tooloffset.z together, W at 0",),
 )
 """LinuxCNC with its kinematics for a bridge mill, see the module."""
@@ -92,13 +110,16 @@ FANUC = Post(
     "Fanuc G43.4",
     RotaryHead("AC"),
     tool_offset="G43.4 H{tool}",
+    decimal_point=True,
+    straight_rapids=True,
+    cycles=False,  # not while G43.4 is in force
     header=("%", "O{number:04}"),
     footer=("M30", "%"),
     line_numbers=10,
 )
 """Controls that understand G43.4 (tool centre point control), with an AC head by the textbook."""
 
-THREE_AXES = Post("three axes", RotaryHead("none"))
+THREE_AXES = Post("three axes", RotaryHead("none"), path="G61")
 """Controls of routers whose tool is always upright: LinuxCNC and most others."""
 
 POSTS: dict[str, Post] = {"linuxcnc": LINUXCNC, "fanuc": FANUC, "three axes": THREE_AXES}

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ifs_cad.fabrication.machining.fault import Fault
-from ifs_cad.fabrication.machining.motions import Kind, Label, Motions, Program
+from ifs_cad.fabrication.machining.motions import Kind, Label, Motions, Program, Stop
 
 __all__ = ["read_program"]
 
@@ -57,6 +57,8 @@ _GROUP_OF = {code: group for group, codes in _GROUPS.items() for code in codes}
 _MILLIMETRES = {"20": 25.4, "21": 1.0}
 _COORDINATES = "XYZABC"
 _CYCLES = ("81", "83")
+_EXPECTED = {"units": "G21", "distance": "G90", "plane": "G17"}
+_DEVIATION = 1e-3  # mm that the path may be rounded by, as little as planes may be off
 _PECK_GAP = 0.254  # mm above the last depth where a peck of G83 begins to feed again
 _RADIUS_TOLERANCE = 0.002  # mm by which the two radii of an arc may differ by rounding
 
@@ -82,6 +84,9 @@ class _Machine:
     keeps_height: bool = False
     ended: bool = False
     cycle: dict[str, float] = field(default_factory=dict)
+    said: set[str] = field(default_factory=set)
+    notes: list[str] = field(default_factory=list)
+    stops: list[Stop] = field(default_factory=list)
     rows: list[tuple[object, ...]] = field(default_factory=list)
 
     def record(
@@ -145,13 +150,16 @@ def read_program(text: str) -> Program:
             decimals = max(decimals, places)
             _follow(machine, number, *_sorted_words(words))
         except _RefusedLineError as refusal:
-            faults.append(Fault(number, labels[-1].address if labels else "", str(refusal)))
+            machine.notes.append(str(refusal))
+        address = labels[-1].address if labels else ""
+        faults += [Fault(number, address, note) for note in machine.notes]
+        machine.notes.clear()
     last = max(number, 1)
     if not machine.ended:
         faults.append(Fault(last, "", "The program does not end: M2 or M30 is missing."))
     resolution = 0.5 * 10.0**-decimals * machine.scale
     motions = _motions(machine.rows)
-    return Program(motions, tuple(labels), tuple(faults), last, resolution)
+    return Program(motions, tuple(labels), tuple(faults), last, resolution, tuple(machine.stops))
 
 
 def _words(code: str) -> tuple[list[tuple[str, str]], int]:
@@ -206,6 +214,11 @@ def _sorted_words(words: list[tuple[str, str]]) -> tuple[dict[str, str], dict[st
 def _follow(machine: _Machine, line: int, codes: dict[str, str], values: dict[str, float]) -> None:
     """Take over all settings of a line, then move."""
     values.pop("N", None)
+    machine.said |= codes.keys()
+    for group in ("stop", "spindle", "change"):
+        code = codes.get(group, "")
+        if code and code not in ("M3", "M4"):
+            machine.stops.append(Stop(line, code, machine.position[2]))
     if "units" in codes:
         machine.scale = _MILLIMETRES[codes["units"]]
     if "feed mode" in codes:
@@ -234,8 +247,13 @@ def _follow(machine: _Machine, line: int, codes: dict[str, str], values: dict[st
             raise _RefusedLineError("G4 without a time: P is missing.")
         del values["P"]
     elif codes.get("path") == "64":
-        values.pop("P", None)
+        deviation = values.pop("P", math.inf) * machine.scale
         values.pop("Q", None)
+        if deviation > _DEVIATION:
+            amount = f"{deviation:g} mm" if math.isfinite(deviation) else "any amount"
+            machine.notes.append(
+                f"G64 lets the path deviate by {amount}: use G61, or a P of {_DEVIATION:g} mm."
+            )
     if "length" in codes:
         _measure(machine, codes["length"], values)
     if "retract" in codes:
@@ -275,6 +293,16 @@ def _move(machine: _Machine, line: int, values: dict[str, float]) -> None:
         return
     if machine.mode in ("", "80"):
         raise _RefusedLineError(f"{given[0]} without a motion: a code such as G0 or G1 is missing.")
+    needed = ["units", "distance"]
+    if machine.mode in ("2", "3", *_CYCLES):
+        needed.append("plane")
+    for group in needed:
+        if group not in machine.said:
+            machine.said.add(group)
+            machine.notes.append(
+                f"Nothing says which {group} is meant, so it is what the machine was last told: "
+                f"{_EXPECTED[group]} is missing."
+            )
     target = list(machine.position)
     for letter in given:
         scale = machine.scale if letter in "XYZ" else 1.0

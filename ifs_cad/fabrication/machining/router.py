@@ -36,12 +36,17 @@ the same form adds to them:
     decimals = 3
     header = ["%", "O{number:04}"]
 
+    [settings]                          # see `settings.Settings`; what is left out is as there
+    direction = "conventional"
+    tab_length = 12
+
 Source: section 4.3 (the type of machine and the nature of the cutting tools are of the highest
 importance).
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
 from pathlib import Path
@@ -52,6 +57,7 @@ from ifs_cad.fabrication import entries
 from ifs_cad.fabrication.machining.machine import Clamp, Machine
 from ifs_cad.fabrication.machining.post import LINUXCNC, POSTS, USUAL, Post
 from ifs_cad.fabrication.machining.quantity import choice_of
+from ifs_cad.fabrication.machining.settings import Settings
 from ifs_cad.fabrication.machining.tool import Tool, require_unique
 
 __all__ = ["Router", "read_router"]
@@ -66,6 +72,7 @@ class Router:
     machine : Machine
     tools : tuple of Tool, numbers unique
     post : Post, for the rotary axes of the machine
+    settings : mapping, of `Settings`: those that are not as usual, by name
 
     Raises
     ------
@@ -75,7 +82,8 @@ class Router:
 
     machine: Machine
     tools: tuple[Tool, ...]
-    post: Post = field(default=LINUXCNC)
+    post: Post = LINUXCNC
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "tools", tuple(self.tools))
@@ -123,7 +131,19 @@ _POST: entries.Readers = {
     "line_numbers": entries.whole,
     "comments": entries.flag,
 }
-_TABLES = ("extend", "tools", "machine", "post")
+_SETTINGS: entries.Readers = {
+    "hold": entries.text,
+    "direction": entries.text,
+    "contour_tool": entries.whole,
+    **dict.fromkeys(
+        ["tab_length", "tab_height", "tab_spacing", "tab_landing", "skin", "breakthrough"],
+        entries.number,
+    ),
+    **dict.fromkeys(
+        ["drill_breakthrough", "lead", "clearance", "pass_depth", "stroke_depth"], entries.number
+    ),
+}
+_TABLES = ("extend", "tools", "machine", "post", "settings")
 
 
 def read_router(path: str | Path | None = None) -> Router:
@@ -154,6 +174,7 @@ def read_router(path: str | Path | None = None) -> Router:
     tools: dict[int, Tool] = {}
     machine: dict[str, Any] = {}
     post: Post | None = None
+    settings: dict[str, Any] = {}
     for name, tables in sources:
         entries.values(tables, dict.fromkeys(_TABLES, _any) | {"extend": entries.flag}, name)
         if not tables.get("extend", True):
@@ -163,9 +184,11 @@ def read_router(path: str | Path | None = None) -> Router:
         made: Machine = entries.made(Machine, machine, f"{name}: [machine]")
         if "post" in tables:
             post = _post(tables["post"], made, f"{name}: [post]")
-    return Router(
-        made, tuple(tools[number] for number in sorted(tools)), post or USUAL[made.rotary]
-    )
+        where = f"{name}: [settings]"
+        settings |= entries.values(tables.get("settings", {}), _SETTINGS, where)
+        entries.made(Settings, settings, where)  # refuses what cannot be meant, here
+    magazine = tuple(tools[number] for number in sorted(tools))
+    return Router(made, magazine, post or USUAL[made.rotary], settings)
 
 
 def _tools(rows: Any, name: str) -> dict[int, Tool]:

@@ -60,7 +60,7 @@ def set_up(
     *,
     cutter: float | None = None,
     hold: Hold | None = None,
-    breakthrough: float = 0.5,
+    breakthrough: float | None = None,
 ) -> Setup:
     """Return how pieces of one material and thickness are machined.
 
@@ -69,9 +69,10 @@ def set_up(
     pieces : all that are to be cut
     router : Router
     cutter : float, diameter of the end mill, mm; by default the thinnest that is long enough
-    hold : see `Settings`; by default "none" where every piece is pierced and can be screwed to the
-        table, else "tabs"
-    breakthrough : float, how far contours reach below the sheet, mm
+    hold : see `Settings`; by default as the router's settings say, or else "none" where every piece
+        is pierced and can be screwed to the table, and "tabs" elsewhere
+    breakthrough : float, how far contours reach below the sheet, mm; by default as the router's
+        settings say
 
     Raises
     ------
@@ -81,9 +82,10 @@ def set_up(
     """
     machine = router.machine
     made = tuple(square_workpieces(pieces)) if machine.rotary == "none" else tuple(pieces)
-    if hold is None:
-        hold = "none" if all(piece.drills for piece in made) else "tabs"
-    settings = Settings(hold=hold, breakthrough=breakthrough)
+    usual = "none" if all(piece.drills for piece in made) else "tabs"
+    asked = {"hold": hold, "breakthrough": breakthrough}
+    asked = {name: value for name, value in asked.items() if value is not None}
+    settings = Settings(**{"hold": usual, **router.settings, **asked})
     tools = [tool for tool in router.tools if tool.cuts(made[0].material.name)]
     if cutter is not None:
         mills = [tool.diameter for tool in tools if tool.kind == "end mill"]

@@ -15,6 +15,7 @@ import math
 import os
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,12 @@ from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import BoolArray
 
 __all__ = ["verify", "verify_file"]
+
+ROUNDINGS = 4.0
+"""How many halves of the last decimal may add up in one comparison: two ends, two coordinates."""
+
+COARSEST = 2e-3
+"""That programs of three decimals may be off, mm; fewer decimals are faults."""
 
 _SHEET = re.compile(r"\(\s*SHEET\s+(\S+)", re.IGNORECASE)
 
@@ -103,6 +110,9 @@ def verify(
         sheet, {piece.address: piece for piece in workpieces}, settings.stroke_depth
     )
     program = read_program(text)
+    # a program cannot be truer than its last decimal, nor may it be much coarser
+    rounded = min(ROUNDINGS * program.resolution, COARSEST)
+    tol = replace(tol, machined=max(tol.machined, rounded))
     cuts = cuts_of(program.motions, tools, convention, tol)
     second, reader = _second_reading(text, program, magazine, linuxcnc)
 

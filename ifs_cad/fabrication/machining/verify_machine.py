@@ -40,7 +40,22 @@ def verify_machine(
     _tool_rules(rules, tools, machine, material)
     _height_rules(rules, sheet, machine, tol)
     _travel_rules(rules, machine, convention, tol)
-    return rules.faults
+    return [*rules.faults, *_stops(program, sheet, machine, tol)]
+
+
+def _stops(program: Program, sheet: PlacedSheet, machine: Machine, tol: Tolerance) -> list[Fault]:
+    """Return where spindle or tool change in the sheet, or a person has to act near the tool."""
+    heights = dict.fromkeys(("M0", "M1"), sheet.thickness + machine.safe_height)
+    return [
+        Fault(
+            stop.line,
+            program.address_at(stop.line),
+            f"{stop.code} at a height of {stop.height:.3f} mm, below "
+            f"{heights.get(stop.code, sheet.thickness):g} mm.",
+        )
+        for stop in program.stops
+        if stop.height < heights.get(stop.code, sheet.thickness) - tol.machined
+    ]
 
 
 class _Rules:

@@ -22,6 +22,7 @@ from ifs_cad.fabrication.machining.fault import Fault
 from ifs_cad.fabrication.machining.motions import Kind, Program
 from ifs_cad.fabrication.machining.placed import PlacedSheet
 from ifs_cad.fabrication.machining.settings import Settings
+from ifs_cad.fabrication.machining.tabs import FEWEST
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.fabrication.machining.verification import Finding
 from ifs_cad.tolerance import Tolerance
@@ -73,6 +74,7 @@ def verify_sides(
     faults: list[Fault] = []
     plane, angle = 0.0, 0.0
     makes = np.zeros((len(cuts), len(sheet.addresses)), dtype=bool)
+    bridges = np.zeros(len(sheet.addresses), dtype=np.int64)
     for side, corners in enumerate(sheet.sides.corners):
         coordinates = _flat(corners, sheet, side)
         own = np.flatnonzero(fits[:, side] & _beside(passes.u[:, side], coordinates, tol))
@@ -80,7 +82,14 @@ def verify_sides(
         plane = max(plane, float(passes.error[own, side].max(initial=0.0)))
         long_ = own[passes.allowed[own] <= tol.machined_angle]
         angle = max(angle, float(passes.angle[long_, side].max(initial=0.0)))
-        faults += _side_faults(program, cuts, sheet, passes, side, own, coordinates, settings, tol)
+        left, held = _side_faults(
+            program, cuts, sheet, passes, side, own, coordinates, settings, tol
+        )
+        faults += left
+        bridges[sheet.sides.owners[side]] += held
+        faults += _ways_of_cutting(program, cuts, sheet, passes, side, own, settings, tools, tol)
+    if settings.hold == "tabs":
+        faults += _loose(program, sheet, bridges)
     faults += _wrong_kinds(program, cuts, np.flatnonzero(makes.any(axis=1)), tools)
     return Finding(tuple(faults), makes, {"plane": plane, "angle": angle})
 
@@ -93,7 +102,7 @@ def _passes(program: Program, cuts: Cuts, sheet: PlacedSheet) -> _Passes:
         & cuts.steady
         & (cuts.motions.kinds != Kind.ARC)
         & (cuts.along_axis == 0)
-        & (np.minimum(cuts.starts[:, 2], cuts.ends[:, 2]) < sheet.thickness)
+        & (cuts.lowest < sheet.thickness)
     )
     axes, radii = cuts.start_axes[which], cuts.radii[which]
     forward = cuts.ends[which] - cuts.starts[which]
@@ -148,10 +157,10 @@ def _side_faults(
     coordinates: FloatArray,
     settings: Settings,
     tol: Tolerance,
-) -> list[Fault]:
-    """Return what is left of one side that should not be."""
+) -> tuple[list[Fault], int]:
+    """Return what is left of one side that should not be, and how many bridges are."""
     if len(own) == 0:
-        return [_missed(program, cuts, sheet, passes, side, coordinates)]
+        return [_missed(program, cuts, sheet, passes, side, coordinates)], 0
     knots = _knots(passes.u[own, side], coordinates, tol)
     excess, by = _excess(passes.u[own, side], passes.v[own, side], knots, coordinates)
     widths = np.diff(knots)
@@ -159,7 +168,7 @@ def _side_faults(
     motions = passes.which[own]
     tilt_rise = float(cuts.diameters[motions].max()) * np.sqrt(max(0.0, 1.0 - axis_height**2))
     address = sheet.addresses[sheet.sides.owners[side]]
-    faults = []
+    faults, bridges = [], 0
     for first, last in _runs(excess * axis_height > tol.machined):
         span = float(widths[first:last].sum())
         left = float(excess[first:last].max()) * axis_height
@@ -167,6 +176,7 @@ def _side_faults(
         if np.isfinite(left) and _holds(
             left, span, tilt_rise, float(cuts.diameters[motions].max()), settings, tol
         ):
+            bridges += 1
             continue
         if not np.isfinite(left):
             line = int(cuts.motions.lines[motions].max())
@@ -176,6 +186,53 @@ def _side_faults(
             f"The side{_towards(sheet, side)} is left uncut over {span:.3f} mm, {where}, {amount}."
         )
         faults.append(Fault(line, address, message))
+    return faults, bridges
+
+
+def _loose(program: Program, sheet: PlacedSheet, bridges: IntArray) -> list[Fault]:
+    """Return the faults of workpieces that too few bridges hold."""
+    return [
+        Fault(
+            program.line_of("contour", sheet.addresses[piece]),
+            sheet.addresses[piece],
+            f"{bridges[piece]} bridges hold it, at least {FEWEST} must.",
+        )
+        for piece in np.flatnonzero(bridges < FEWEST).tolist()
+    ]
+
+
+def _ways_of_cutting(
+    program: Program,
+    cuts: Cuts,
+    sheet: PlacedSheet,
+    passes: _Passes,
+    side: int,
+    own: IntArray,
+    settings: Settings,
+    tools: dict[int, Tool],
+    tol: Tolerance,
+) -> list[Fault]:
+    """Return the faults of how one side is cut: its direction, the depth of passes, the skin."""
+    faults = []
+    deepest = 0.0
+    for k in own[np.argsort(passes.which[own])].tolist():
+        motion = int(passes.which[k])
+        line = int(cuts.motions.lines[motion])
+        address = program.address_at(line)
+        # the workpiece is on the left of whoever goes along the side
+        if (passes.u[k, side, 1] > passes.u[k, side, 0]) == (settings.direction == "climb"):
+            faults.append(Fault(line, address, f"This is not a {settings.direction} cut."))
+        lowest = float(cuts.lowest[motion])
+        if settings.hold == "skin" and lowest < settings.skin - tol.machined:
+            message = f"The tool goes down to {lowest:.3f} mm: the skin is {settings.skin:g} mm."
+            faults.append(Fault(line, address, message))
+        tool = tools.get(int(cuts.motions.tools[motion]))
+        depth = (sheet.thickness - lowest) / float(cuts.start_axes[motion, 2])
+        limit = settings.pass_depth or (tool.pass_depth if tool else np.inf)
+        if depth - deepest > limit + tol.machined:
+            message = f"A pass takes {depth - deepest:.3f} mm at once: {limit:g} mm are allowed."
+            faults.append(Fault(line, address, message))
+        deepest = max(deepest, depth)
     return faults
 
 
