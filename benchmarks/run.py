@@ -37,7 +37,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description="Measure ifs_cad side by side with its peers.",
     )
-    parser.add_argument("--only", default="abcdefghijkl", metavar="LETTERS", help="from a to l")
+    parser.add_argument("--only", default="abcdefghijklm", metavar="LETTERS", help="from a to m")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
     parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
     parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
@@ -97,6 +97,10 @@ def measured(letters: set[str], quick: bool) -> Iterator[Line]:
         import structure
 
         yield from structure.measure("l")
+    if "m" in letters:
+        import studio
+
+        yield from studio.measure(2 if quick else 9)
     if "f" in letters:
         import memory
 

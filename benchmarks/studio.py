@@ -1,19 +1,20 @@
-"""From a moved control point to what the studio sends to its page: surface alone, and everything.
+"""(m) From a moved control point to what the studio sends to its page: surface, and everything.
 
-Run it: ``python benchmarks/studio.py``. It goes the way that the page goes: the session is edited
+It goes the way that the page goes: the session is edited
 as by a mouse, the recomputer evaluates and the scene is encoded; only the browser is missing.
 Labels and holes are on 16 x 16 panels only: on 64 x 64 they have no room.
 """
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack
 from itertools import count
+from pathlib import Path
 from typing import Any
 
+from table import Line, milliseconds
 from timing import interleaved
 
 from ifs_cad.elements.hole import Holes
@@ -23,15 +24,26 @@ from ifs_cad.studio.run import opened
 ROUGH = "figure_18_thickened_surface"
 EXACT = "figure_21_prototype"
 
+BARE: dict[str, Any] = {"label": None, "holes": None}
+THIN = BARE | {"thickness": 3.0}
+CASES: tuple[tuple[str, float | None, int, bool, dict[str, Any]], ...] = (
+    ("16 x 16, surface", 10.0, 4, False, BARE),
+    ("16 x 16, panels and report", 100.0, 4, True, BARE),
+    ("16 x 16, panels, report, labels, holes", None, 4, True, {"label": Label(), "holes": Holes()}),
+    ("64 x 64, surface", 30.0, 6, False, THIN),
+    ("64 x 64, panels and report", None, 6, True, THIN),
+)
+"""What is sent, its limit in ms, the depth, whether panels are made, what else is changed."""
+
 
 def drag(
-    open_studios: ExitStack, name: str, depth: int, panels: bool, **changes: Any
+    open_studios: ExitStack, path: Path, name: str, depth: int, panels: bool, **changes: Any
 ) -> Callable[[], Any]:
     """Return a job that moves a control point a little further and waits for the page.
 
     Without panels as while the mouse button is held, with them as when it was released.
     """
-    studio = open_studios.enter_context(opened())
+    studio = open_studios.enter_context(opened(path))
     session, page = studio.session, studio.page
     session.edit(lambda model: model.load_preset(name))
     session.edit(lambda model: model.set_depth("a", depth))
@@ -50,29 +62,35 @@ def drag(
     return job
 
 
-def main() -> None:
-    """Print the times."""
-    jobs = {}
+def measure(rounds: int) -> list[Line]:
+    """Measure a rough and an exact surface in two sizes, all in turns."""
+    jobs: dict[str, Callable[[], Any]] = {}
+    limits: dict[str, float | None] = {}
+    calls: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as folder, ExitStack() as open_studios:
-        os.chdir(folder)  # where designs without a file are kept
-
-        def job(*arguments: Any, **changes: Any) -> Callable[[], Any]:
-            return drag(open_studios, *arguments, **changes)
-
         for name in (ROUGH, EXACT):
-            short = name.split("_", 2)[2]
-            bare = {"label": None, "holes": None}
-            thin = bare | {"thickness": 3.0}
-            jobs[f"{short}, 16 x 16, surface"] = job(name, 4, False, **bare)
-            jobs[f"{short}, 16 x 16, panels and report"] = job(name, 4, True, **bare)
-            jobs[f"{short}, 16 x 16, panels, report, labels, holes"] = job(
-                name, 4, True, label=Label(), holes=Holes()
-            )
-            jobs[f"{short}, 64 x 64, surface"] = job(name, 6, False, **thin)
-            jobs[f"{short}, 64 x 64, panels and report"] = job(name, 6, True, **thin)
-        for what, timing in interleaved(jobs, 9).items():
-            print(f"{what:60} {1e3 * timing.best:7.1f} best {1e3 * timing.median:7.1f} median ms")
+            for part, limit, depth, panels, changes in CASES:
+                what = f"{part}, {name.split('_', 2)[2].replace('_', ' ')}"
+                path = Path(folder, f"{len(jobs)}.toml")
+                jobs[what] = drag(open_studios, path, name, depth, panels, **changes)
+                limits[what] = limit
+                calls[what] = 1 if panels else 8  # short ones meet a quiet moment more rarely
+        timings = interleaved(jobs, rounds, calls)
+    return [
+        Line(
+            "m",
+            f"studio, a dragged point: {what}",
+            milliseconds(timing.best),
+            f"median {milliseconds(timing.median)}",
+            1e3 * timing.best,
+            " ms",
+            limits[what],
+            noise=timing.wall / timing.best,
+        )
+        for what, timing in timings.items()
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    for line in measure(9):
+        print(" | ".join(line.cells()))

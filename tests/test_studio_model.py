@@ -427,6 +427,21 @@ def test_bad_weights_leave_the_faces_that_have_a_place():
     assert len(seen.addresses) == len(seen.faces)
     assert set(problem.addresses).isdisjoint(seen.addresses)
     assert not seen.can_be_built
+    border = {tuple(point) for point in seen.vertices[seen.faces].reshape(-1, 3).tolist()}
+    assert len(problem.points) > 0
+    assert {tuple(point) for point in problem.points.tolist()} <= border, "beside the gap"
+    assert len(problem.points) < len(border)
+
+
+def test_bad_weights_that_leave_no_face_mark_the_corners_around():
+    curve = [(0, 0, 0), (300, 0, 0), (600, 0, 0), (900, 0, 0)]
+    flat = DrawnCurve(curve, weights=(1, 0.01, 0.01, 1), depth=1)
+    other = replace(flat, control_points=[(y, x, z) for x, y, z in curve])
+    seen = evaluate(Design(flat, other, 5.0))
+    (problem,) = seen.problems
+    assert len(seen.faces) == 0, "all four meet in the middle, which has no place"
+    assert len(problem.points) == 8
+    assert np.isfinite(problem.points).all()
 
 
 def test_too_thick_is_marked_on_the_surface():
@@ -448,6 +463,9 @@ def test_not_contracting_is_a_warning_and_everything_is_shown():
     seen = evaluate(replace(design, b=wild, thickness=1.0))
     assert [(p.severity, p.curve) for p in seen.problems] == [("warning", "b")]
     assert "do not shrink" in seen.problems[0].message
+    handles = [handle.point for handle in seen.b.subdivision_points]
+    assert len(handles) > 0
+    assert seen.problems[0].points == pytest.approx(np.array(handles))
     assert seen.can_be_built
     assert seen.panels is not None
 
@@ -526,6 +544,8 @@ def test_too_many_faces_are_not_drawn():
     assert len(seen.a.points) == 513
     deep = evaluate(replace(DESIGN, a=replace(ARCH, depth=1000)))
     assert "too many segments" in messages(deep)
+    assert deep.problems[0].curve == "a"
+    assert len(deep.problems[0].points) > 0
 
 
 def test_control_points_in_one_place_are_a_problem_that_can_be_repaired():

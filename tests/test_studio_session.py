@@ -169,6 +169,79 @@ def test_nothing_is_offered_after_saving(session: Session, path: Path) -> None:
     assert Session(path).found is None
 
 
+def test_saving_waits_for_a_decision_about_what_a_crash_left(session: Session, path: Path) -> None:
+    session.edit(thicker(12.0))
+    session.autosave()
+    after = Session(path)
+    after.edit(thicker(50.0))
+    for target in (None, path.with_name("other.toml")):
+        with pytest.raises(InputError, match=r"\.shell\.autosave\.toml that saving would remove"):
+            after.save(target)
+    assert read_design(after.autosave_file).thickness == 12.0
+    assert read_design(path) == PLAIN
+    assert not path.with_name("other.toml").exists()
+    assert after.path == path
+    after.drop_found()
+    after.save()
+    assert read_design(path).thickness == 50.0
+    after.edit(thicker(51.0))
+    assert after.autosave()
+    assert read_design(after.autosave_file).thickness == 51.0
+
+
+def test_saving_elsewhere_spares_what_a_crash_left_there(session: Session, path: Path) -> None:
+    other = write_design(PLAIN, path.with_name("other.toml"))
+    left = write_design(replace(PLAIN, thickness=33.0), autosave_path(other))
+    session.edit(thicker(12.0))
+    with pytest.raises(InputError, match=r"\.other\.autosave\.toml\. Open .*other\.toml to see it"):
+        session.save(other)
+    assert read_design(other) == PLAIN
+    assert session.path == path
+    assert not session.snapshot().is_saved
+    assert session.autosave()
+    assert read_design(left).thickness == 33.0
+    session.open(other)
+    assert session.found is not None
+    assert session.found.thickness == 33.0
+    session.drop_found()
+    session.undo()
+    session.save(other)
+    assert read_design(other).thickness == 12.0
+
+
+@pytest.mark.parametrize("text", ["version = 99\n", "no TOML"])
+def test_an_unreadable_rest_of_a_crash_is_moved_aside(path: Path, text: str) -> None:
+    kept = autosave_path(path)
+    for name in (".shell.autosave.bad.toml", ".shell.autosave.bad2.toml"):
+        kept.write_text(text)
+        session = Session(path)
+        assert session.snapshot().design == PLAIN
+        assert session.found is None
+        assert str(path.with_name(name)) in session.aside
+        assert path.with_name(name).read_text() == text
+        assert not kept.exists()
+    session.edit(thicker(12.0))
+    assert session.autosave()
+    assert Session(path).aside == ""
+
+
+def test_opening_moves_an_unreadable_rest_aside_unless_the_file_is_broken(
+    session: Session, path: Path
+) -> None:
+    other = path.with_name("other.toml")
+    other.write_text("version = 99\n")
+    kept = autosave_path(other)
+    kept.write_text("version = 99\n")
+    with pytest.raises(InputError):
+        session.open(other)
+    assert kept.exists()
+    assert session.aside == ""
+    write_design(PLAIN, other)
+    session.open(other)
+    assert not kept.exists()
+    assert ".other.autosave.bad.toml" in session.aside
+
+
 def test_a_design_without_a_file_is_kept_in_the_current_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -23,7 +23,7 @@ from ifs_cad.elements.cutting import cutting_frames
 from ifs_cad.elements.label import place_labels
 from ifs_cad.elements.panel import Shell
 from ifs_cad.elements.report import Report
-from ifs_cad.errors import FloorError, HoleError, IfsCadError
+from ifs_cad.errors import FloorError, HoleError, IfsCadError, WeightError
 from ifs_cad.studio.display import MOST_FACES, PanelView, label_lines, panel_view
 from ifs_cad.types import FloatArray, IntArray
 
@@ -144,7 +144,8 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
     view_a, curve_a, wrong_a = _curve_view("a", design.a)
     view_b, curve_b, wrong_b = _curve_view("b", design.b)
     problems = [*wrong_a, *wrong_b]
-    surface, mesh, shell, labels = _Surface(), None, None, _no_labels()
+    surface, shell, labels = _Surface(), None, _no_labels()
+    mesh: Mesh | None = None
     if curve_a is not None and curve_b is not None:
         view_b = replace(view_b, shift=curve_a.points[0] - curve_b.points[0])
         if curve_a.segments * curve_b.segments > MOST_FACES:
@@ -157,7 +158,13 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
             )
         else:
             surface = _surface(curve_a, curve_b)
-            mesh = _mesh(curve_a, curve_b, surface, problems)
+            try:
+                mesh = vector_sum(curve_a, curve_b)
+            except WeightError as error:
+                marked = _beside_gaps(surface)
+                problems.append(Problem(str(error), "error", None, error.addresses, points=marked))
+            except IfsCadError as error:
+                problems.append(_at(surface, error))
     # none of a curve that only stands in for the drawn one
     drawn = all(problem.severity != "error" for problem in problems)
     if mesh is not None and drawn and panels:
@@ -205,10 +212,17 @@ def _drawn_curve(
         view = replace(view, subdivision_points=tuple(handles))
         shrinking = base.contraction()
         if shrinking.warning:
-            problems.append(Problem(f"Curve {name}: {shrinking.warning}", "warning", name))
+            marked = np.array([*places.values()]) if places else control
+            problems.append(
+                Problem(f"Curve {name}: {shrinking.warning}", "warning", name, points=marked)
+            )
         if base.segments > MOST_FACES:
             problems.append(
-                Problem(f"Curve {name} has too many segments to draw. Take a smaller depth.")
+                Problem(
+                    f"Curve {name} has too many segments to draw. Take a smaller depth.",
+                    curve=name,
+                    points=control,
+                )
             )
             return view, None
         view = replace(view, points=base.points)
@@ -247,23 +261,29 @@ def _surface(a: Curve, b: Curve) -> _Surface:
     good = grid[:, 0] > a.tol.weight * np.abs(grid[:, 0]).max()
     points = np.full((len(grid), 3), np.nan)
     points[good] = grid[good, 1:] / grid[good, :1]
-    number = np.arange(len(grid)).reshape(len(rows_a), len(rows_b))
-    around = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
-    faces = np.stack(around, axis=-1).reshape(-1, 4)
+    shape = (len(rows_a) - 1, len(rows_b) - 1)
+    faces = _corners(shape)
     whole = good[faces].all(axis=1)
     names = surface_addresses(a.word_structure, b.word_structure)
     if not whole.all():
         names = [names[i] for i in np.flatnonzero(whole)]
-    shape = (len(rows_a) - 1, len(rows_b) - 1)
     return _Surface(shape, points, faces[whole], tuple(names))
 
 
-def _mesh(a: Curve, b: Curve, surface: _Surface, problems: list[Problem]) -> Mesh | None:
-    try:
-        return vector_sum(a, b)
-    except IfsCadError as error:
-        problems.append(_at(surface, error))
-        return None
+def _corners(shape: tuple[int, int]) -> IntArray:
+    """Return the (f, 4) corners of all faces of a grid."""
+    rows, columns = shape
+    number = np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1)
+    around = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+    return np.stack(around, axis=-1).reshape(-1, 4)
+
+
+def _beside_gaps(surface: _Surface) -> FloatArray:
+    """Return the (n, 3) corners that do have a place of faces that have none, mm."""
+    finite = np.isfinite(surface.vertices[:, 0])
+    around = _corners(surface.shape)
+    missing = around[~finite[around].all(axis=1)]
+    return surface.vertices[np.intersect1d(missing, np.flatnonzero(finite))]
 
 
 def _shell(design: Design, mesh: Mesh, surface: _Surface, problems: list[Problem]) -> Shell | None:

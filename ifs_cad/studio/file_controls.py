@@ -51,6 +51,8 @@ class FileControls:
 
     def offer_found(self, gui: Any) -> None:
         """Ask what to do with a design that a crash has left, if there is one."""
+        if self._session.aside:
+            self._say_moved_aside(gui)
         if self._session.found is None:
             return
         modal = gui.add_modal("A design that was not saved")
@@ -73,6 +75,12 @@ class FileControls:
 
         on_click(back, take)
         on_click(drop, remove)
+
+    def _say_moved_aside(self, gui: Any) -> None:
+        modal = gui.add_modal("A design that cannot be read")
+        with modal:
+            gui.add_html(small_html(self._session.aside))
+            on_click(gui.add_button("Go on without it"), lambda _: modal.close())
 
     def _presets(self, gui: Any) -> None:
         titles = {f"{design.title}": design for design in presets().values()}
@@ -131,7 +139,7 @@ class FileControls:
         if self._session.path is None:
             self._save_as(client)
         else:
-            self._tell(client, "Saved", str(self._session.save()), True)
+            self._save_to(client, self._session.path)
 
     def _save_as(self, client: Any) -> None:
         target = self._target()
@@ -139,6 +147,11 @@ class FileControls:
             self._to_replace = target
             raise InputError(f"{target} exists. Press once more to replace it.")
         self._to_replace = None
+        self._save_to(client, target)
+
+    def _save_to(self, client: Any, target: Path) -> None:
+        if self._session.found is not None:  # closed without an answer, or asked of another client
+            self.offer_found(client.gui)
         self._tell(client, "Saved", str(self._session.save(target)), True)
 
     def _open(self, client: Any) -> None:

@@ -89,6 +89,8 @@ def run(
         session = studio.session
         if session.path is not None and not session.path.exists():
             say(f"{session.path} does not exist yet; saving makes it.")
+        if session.aside:
+            say(session.aside)
         if session.found is not None:
             say(f"A design that was not saved is in {session.autosave_file}; the page asks.")
         say(f"The studio is open on this machine only:\n\n    {studio.address}\n\nCtrl-C ends it.")

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from ifs_cad.design_file import read_design
 from ifs_cad.design_record import Design
+from ifs_cad.errors import ExportError, InputError
 from ifs_cad.studio.model import StudioModel, autosave_path, recover
 
 QUIET_SECONDS = 0.6
@@ -62,7 +63,9 @@ class Session:
     Raises
     ------
     InputError
-        The file, or what a crash has left beside it, cannot be read.
+        The file cannot be read.
+    ExportError
+        What a crash has left beside it cannot be read, nor moved aside.
     """
 
     def __init__(
@@ -81,7 +84,8 @@ class Session:
         exists = self.path is not None and self.path.exists()
         self._model = StudioModel(read_design(self.path) if self.path and exists else None)
         self._found: Design | None = None
-        self._keep_beside(self.path)
+        self._aside = ""
+        self._keep_beside(self.path, _left(self.autosave_file))
 
     @property
     def autosave_file(self) -> Path:
@@ -97,6 +101,11 @@ class Session:
     def found(self) -> Design | None:
         """What a crash has left, until `take_found` or `drop_found` decides about it."""
         return self._found
+
+    @property
+    def aside(self) -> str:
+        """What to tell the user about a kept design that cannot be read; empty without one."""
+        return self._aside
 
     def snapshot(self) -> Snapshot:
         """Return the state as it is."""
@@ -168,12 +177,15 @@ class Session:
 
         Raises
         ------
+        InputError
+            A crash has left a design that saving would remove or forget; all is as it was.
         ExportError
             It could not be written; all is as it was.
         """
         with self._lock:
             self._end_gesture()
             target = Path(path or self.path or UNTITLED)
+            self._refuse_to_lose(target)
             self._model.save(target)
             self.path = target
             self._model.keep_in(autosave_path(target))
@@ -186,12 +198,15 @@ class Session:
         Raises
         ------
         InputError
-            It, or what a crash has left beside it, cannot be read; all is as it was.
+            It cannot be read; all is as it was.
+        ExportError
+            What a crash has left beside it cannot be read, nor moved aside; all is as it was.
         """
         with self._lock:
             self.autosave()
             target = Path(path)
-            left = recover(autosave_path(target))
+            read_design(target)  # what lies beside a broken file stays there
+            left = _left(autosave_path(target))
             self._end_gesture()
             self._model.load(target)
             self.path = target
@@ -224,11 +239,25 @@ class Session:
             self._found = None
             self._model.discard_autosave()
 
-    def _keep_beside(self, path: Path | None, left: Design | None = None) -> None:
-        target = autosave_path(path or UNTITLED)
-        found = left if left is not None else recover(target)
+    def _keep_beside(self, path: Path | None, left: tuple[Design | None, str]) -> None:
+        found, self._aside = left
         self._found = found if found != self._model.design else None
-        self._model.keep_in(target)
+        self._model.keep_in(autosave_path(path or UNTITLED))
+
+    def _refuse_to_lose(self, target: Path) -> None:
+        """Raise an error when saving would remove, or later write over, what a crash has left."""
+        if self._found is not None:
+            raise InputError(
+                f"A crash has left a design in {self.autosave_file} that saving would remove. "
+                "First go on with it, or remove it."
+            )
+        kept = autosave_path(target)
+        if kept.resolve() != self.autosave_file.resolve() and kept.exists():
+            way = "Open" if target.exists() else "Start the studio with"
+            raise InputError(
+                f"A crash has left a design of {target.name} in {kept}. {way} {target} to see it, "
+                "save under another name, or move that file away."
+            )
 
     def _step(self, step: Callable[[StudioModel], bool]) -> bool:
         with self._lock:
@@ -243,3 +272,28 @@ class Session:
 
     def _tell(self) -> None:
         self.changed(self.snapshot())
+
+
+def _left(kept: Path) -> tuple[Design | None, str]:
+    """Return what a crash has left, and what to say when it had to be moved aside."""
+    try:
+        return recover(kept), ""
+    except InputError as error:
+        return None, _moved_aside(kept, error)
+
+
+def _moved_aside(kept: Path, error: InputError) -> str:
+    """Rename a kept design that cannot be read, for the next one to have its place; say so."""
+    place = kept.with_suffix(f".bad{kept.suffix}")
+    number = 1
+    while place.exists():
+        number += 1
+        place = kept.with_suffix(f".bad{number}{kept.suffix}")
+    try:
+        kept.rename(place)
+    except OSError as failure:
+        raise ExportError(
+            f"{error}\nIt is what a crash has left, and cannot be moved aside: "
+            f"{failure.strerror}. Move {kept} away."
+        ) from error
+    return f"What a crash has left cannot be read, and was moved to {place}. {error}"
