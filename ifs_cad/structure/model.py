@@ -79,6 +79,11 @@ class Model:
         return self.surface_mass * GRAVITY * 1e3
 
     @cached_property
+    def extent(self) -> float:
+        """The largest extent of the shell along an axis, mm."""
+        return float(np.ptp(self.grid.nodes, axis=0).max())
+
+    @cached_property
     def turn(self) -> IntArray:
         """(v,) int, whose rotations each grid node has."""
         return self.grid.point if self.joints == "rigid" else np.arange(len(self.grid.nodes))
