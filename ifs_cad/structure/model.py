@@ -235,8 +235,8 @@ def _fibres(
         return None
     raise InputError(
         f"{shell.material.name} is stiffer along its fibre, and the shell has no fibre direction. "
-        "Give it one with shell.with_fibre(...), pass fibre=FibreAlongEdge() here, or pass "
-        "stiffness=Stiffness.isotropic(...)."
+        'Give it one with shell.with_fibre(FibreAlongCurve("a")), pass fibre=FibreAlongEdge() here '
+        "(ifs-cad analyse: --fibre a), or pass stiffness=Stiffness.isotropic(...)."
     )
 
 
