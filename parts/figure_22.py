@@ -2,7 +2,8 @@
 
 The paper tells the span (12 m), the panels (20 mm spruce plywood, joined by hinges), the load
 (1500 N/m2, asymmetrical) and the largest deflections, 266 mm smooth and 15 mm rough. Everything
-else is assumed here, so that the smooth shell comes near 266 mm:
+else is assumed here, rises and width so that the smooth shell comes near 266 mm, the height of the
+folds so that the rough one comes near 15 mm; so both numbers only show that some such shell exists:
 
 - a surface of translation, 9 m wide, of two parabolas with rises of 2.5 m along the span and 1 m
   across, in 16 x 16 panels;

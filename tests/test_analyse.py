@@ -137,6 +137,7 @@ def test_supports_are_read_from_words():
     [
         ({"supports": ["floor"]}, "Unknown support 'floor'"),
         ({"joints": "glue"}, "not 'glue'"),
+        ({"fibre": "c"}, '"long", "a" or "b"'),
         ({"load": -1.0}, "0 or more"),
         ({"surface_load": np.inf}, "0 or more"),
         ({"half": True, "part": ["0*"]}, "not both"),
@@ -244,6 +245,31 @@ def test_wrong_questions_are_answered_by_a_sentence(options, code, said, tmp_pat
     assert re.search(said, done.stderr)
     assert "Traceback" not in done.stderr
     assert not (tmp_path / "out" / "both").exists()
+
+
+PLYWOOD = """
+import ifs_cad as ifs
+arch = ifs.Curve([(0, 0, 0), (1500, 0, 1200), (3000, 0, 0)], depth=2)
+shell = ifs.thicken(ifs.vector_sum(arch, [(0, 0, 0), (0, 300, 80), (0, 600, 0)]), 12.0)
+show_object(ifs.to_assembly(shell), name="plywood")
+"""
+
+
+@draws
+def test_command_gives_plywood_the_fibre_that_it_lacks(tmp_path):
+    script = tmp_path / "plywood.py"
+    script.write_text(PLYWOOD)
+    options = (script, "--supports", "a start, a end", "--divisions", "2", "-o", tmp_path)
+    refused = command(*options)
+    assert refused.exit_code == 1
+    assert "ifs-cad analyse: --fibre a" in refused.stderr
+    sags = []
+    for curve in "ab":
+        done = command(*options, "--fibre", curve)
+        assert done.exit_code == 0, done.stderr
+        sags += re.findall(r"deflection u_z +([\d.]+) mm", done.stdout)
+    along, across = sags
+    assert along != across
 
 
 def test_script_without_shells_is_refused(tmp_path):

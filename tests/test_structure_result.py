@@ -1,5 +1,6 @@
 """What the structure check answers, and how it says so."""
 
+import re
 import sys
 from dataclasses import replace
 
@@ -23,6 +24,7 @@ from ifs_cad.structure.result import MESH_ERROR
 from ifs_cad.structure.section import utilisation
 from ifs_cad.structure.solver import Solver
 from ifs_cad.structure.support import Support
+from ifs_cad.tolerance import DEFAULT
 
 STRENGTH = Strength(20, 10, 12, 6, 16, 8, 4, 2, 1)
 
@@ -234,6 +236,48 @@ def test_unsupported_shell_is_a_mechanism_as_a_whole():
     assert caught.value.values["count"] == caught.value.values["rigid"] == 6
     with pytest.raises(MechanismError, match="6 as a whole"):
         natural_frequencies(strip(400, 200, 10), supports=[], stiffness=TIMBER)
+
+
+def nearly_a_linkage():
+    """A hinged arch on one foot, which only the twist of its panels holds."""
+    legs = ifs.Curve([(0, 0, 0), (0, 0, 750), (1500, 0, 750), (1500, 0, 0)], depth=2)
+    return shell_of(legs.points, [(0, 0, 0), (0, 187, 75), (0, 375, 50), (0, 750, 0)], 20.0)
+
+
+def test_shell_that_moves_by_more_than_its_size_is_almost_a_mechanism():
+    foot = Support.border("a start")
+    question = {"stiffness": TIMBER, "divisions": 2}
+    load = AreaLoad(pressure=1500)
+    said = r"\d{4} mm, more than its own size of 1500 mm"
+    with pytest.raises(MechanismError, match=said) as caught:
+        analyse(nearly_a_linkage(), loads=load, supports=foot, **question)
+    error = caught.value
+    assert "hardly resists moving in" in str(error)
+    assert set(error.addresses) <= set(nearly_a_linkage().addresses)
+    assert error.addresses
+    assert "rigid" not in error.values
+    holds = [Support.nodes(place, hold=axis) for place, axis in error.values["holding"]]
+    held = analyse(nearly_a_linkage(), loads=load, supports=[foot, *holds], **question)
+    assert held.largest_displacement.value < 0.1 * 1500
+
+
+def test_large_movement_is_told_in_plain_numbers():
+    foot = Support.border("a start")
+    question = {"supports": foot, "stiffness": TIMBER, "divisions": 2}
+    small = analyse(nearly_a_linkage(), loads=AreaLoad(pressure=0.1), **question)
+    wanted = 900 / small.largest_displacement.value  # mm, of 1500
+    large = analyse(nearly_a_linkage(), loads=AreaLoad(pressure=0.1 * wanted), **question)
+    assert any("moves by 900 mm, 60 % of its size" in text for text in large.warnings)
+
+
+def test_forces_out_of_balance_are_explained_by_what_gives_way():
+    strict = replace(DEFAULT, equilibrium=1e-30)  # which no arithmetic keeps
+    corners = [(0, 0, 0), (900, 0, 0), (900, 300, 0), (0, 300, 0)]
+    shell = ifs.thicken(ifs.Mesh(corners, [(0, 1, 2, 3)], tol=strict), 12.0)
+    with pytest.raises(MechanismError, match="fail to balance") as caught:
+        analyse(shell, loads=SelfWeight(), supports=Support.border(), stiffness=TIMBER)
+    assert caught.value.addresses
+    assert re.search(r"hardly resists moving.*Holding [xyz] at \(", str(caught.value))
 
 
 def test_frequencies_rise_and_their_shapes_swing_where_nothing_holds():

@@ -49,6 +49,14 @@ def analyse(
             help="hinge, rigid, or a stiffness in N mm/rad per mm of edge.", show_default=False
         ),
     ] = None,
+    fibre: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CURVE",
+            help="Fibre along curve a or b of a vector sum, or the long one: a, b, long.",
+            show_default="that of the shell",
+        ),
+    ] = None,
     divisions: Annotated[
         int | None,
         typer.Option(
@@ -67,6 +75,7 @@ def analyse(
 
     Loads, supports and joints are those that the script gives (ifs.Analysis), or 1500 N/m2 of the
     ground plan on hinged panels standing on their lowest edges; every option replaces its part.
+    Plywood needs a fibre direction: the shell's own, or --fibre.
 
     Writes the mesh with all results (VTU), an input deck for CalculiX and a picture of the
     deformed shell into the folder analysis of the part, and a comparison of several shells.
@@ -84,6 +93,7 @@ def analyse(
         weight=weight,
         supports=tuple(supports or ()),
         joints=joints,
+        fibre=fibre,
         divisions=divisions,
         nonlinear=nonlinear,
         modes=modes,

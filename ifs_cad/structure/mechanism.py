@@ -1,11 +1,13 @@
 """Mechanisms: movements without resistance, found, counted and explained.
 
 A hinged shell is a linkage. What moves without any force is in the null space of the stiffness
-matrix, found here by inverse iteration on a block of vectors that grows until it holds more.
+matrix, found here by inverse iteration on a block of vectors that grows until it holds more. What
+hardly resists is no mechanism, but its answers are as useless, and it is explained in the same way.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -52,17 +54,60 @@ def zero_modes(model: Model, scaled: Any, scale: FloatArray) -> tuple[FloatArray
     count = FIRST_BLOCK
     while True:
         count = min(count, size)
-        block = np.linalg.qr(random.standard_normal((size, count)))[0]
-        for _ in range(ITERATIONS):
-            block = np.linalg.qr(factors.solve(block))[0]
-        values, turn = np.linalg.eigh(block.T @ (scaled @ block))
+        values, vectors = _softest(factors.solve, scaled, random.standard_normal((size, count)))
         found = values <= model.shell.tol.mechanism
         if not found.all() or count == size:
             break
         count *= 2
     modes = np.zeros((model.size, int(found.sum())))
-    modes[model.free] = scale[:, None] * (block @ turn[:, found])
+    modes[model.free] = scale[:, None] * vectors[:, found]
     return modes, _rigid_modes(model)
+
+
+def soft_modes(
+    model: Model,
+    divide: Callable[[FloatArray], FloatArray],
+    scaled: Any,
+    scale: FloatArray,
+    wanted: FloatArray,
+    limit: float,
+) -> FloatArray:
+    """Return the movements that give way most: those by which loads move something too far.
+
+    Parameters
+    ----------
+    model : Model
+    divide : function that returns scaled displacements, (free, k), under scaled forces
+    scaled, scale : as for `zero_modes`
+    wanted : (free,) float, the scaled loads
+    limit : float
+        Displacement in mm from which on a movement counts.
+
+    Returns
+    -------
+    (size, k) float, at least one movement.
+    """
+    report("looking for what gives way")
+    count = min(FIRST_BLOCK, len(scale))
+    start = np.random.default_rng(0).standard_normal((len(scale), count))
+    values, vectors = _softest(divide, scaled, start)
+    modes = np.zeros((model.size, count))
+    shares = (vectors.T @ wanted) / np.maximum(values, np.finfo(float).eps)
+    modes[model.free] = scale[:, None] * vectors * shares
+    moves = modes[: 3 * model.grid.points].reshape(model.grid.points, 3, -1)
+    largest = np.linalg.norm(moves, axis=1).max(axis=0)
+    return modes[:, (largest > limit) | (largest == largest.max())]
+
+
+def _softest(
+    divide: Callable[[FloatArray], FloatArray], scaled: Any, block: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the stiffnesses (k,) of the softest movements, and these, (free, k)."""
+    block = np.linalg.qr(block)[0]
+    for _ in range(ITERATIONS):
+        block = np.linalg.qr(divide(block))[0]
+    values, turn = np.linalg.eigh(block.T @ (scaled @ block))
+    return values, block @ turn
 
 
 def _rigid_modes(model: Model) -> int:
@@ -94,6 +139,35 @@ def explain(model: Model, modes: FloatArray, rigid: int) -> MechanismError:
     modes : (size, k) float
     rigid : int, how many of them move the structure as a whole
     """
+    count = modes.shape[1]
+    kinds = []
+    if rigid:
+        kinds.append(f"{rigid} as a whole")
+    if count > rigid:
+        kinds.append(f"{count - rigid} by folding at its hinges")
+    said = f"The structure moves without resistance in {_ways(count)} ({', '.join(kinds)})"
+    return _error(model, modes, said, rigid=rigid)
+
+
+def explain_soft(model: Model, modes: FloatArray, why: str) -> MechanismError:
+    """Return the error for what moves almost without resistance.
+
+    Parameters
+    ----------
+    model : Model
+    modes : (size, k) float, as from `soft_modes`
+    why : str, sentence that says how that was seen
+    """
+    ways = _ways(modes.shape[1])
+    return _error(model, modes, f"{why} The structure hardly resists moving in {ways}")
+
+
+def _ways(count: int) -> str:
+    return f"{count} way{'s' * (count > 1)}"
+
+
+def _error(model: Model, modes: FloatArray, said: str, **values: Any) -> MechanismError:
+    """Return the error that goes on with the panels that move and with what would hold them."""
     linear = require("scipy.linalg", PURPOSE)
     grid = model.grid
     points = 3 * grid.points
@@ -115,19 +189,12 @@ def explain(model: Model, modes: FloatArray, rigid: int) -> MechanismError:
         holding.append((tuple(place.tolist()), axis))
         x, y, z = place
         holds.append(f"{axis} at ({x:.0f}, {y:.0f}, {z:.0f}) mm in {grid.address(node)}")
-    kinds = []
-    if rigid:
-        kinds.append(f"{rigid} as a whole")
-    if modes.shape[1] > rigid:
-        kinds.append(f"{modes.shape[1] - rigid} by folding at its hinges")
     return MechanismError(
-        f"The structure moves without resistance in {modes.shape[1]} "
-        f"{'ways' if modes.shape[1] > 1 else 'way'} ({', '.join(kinds)}), "
-        f"most at {listed(names)}. Holding {listed(holds)} would stop it; so may another support, "
-        "a joint with stiffness (joints=...), or folds.",
+        f"{said}, most at {listed(names)}. Holding {listed(holds)} would stop it; so may another "
+        "support, a joint with stiffness (joints=...), or folds.",
         addresses=names,
         modes=modes,
         count=modes.shape[1],
-        rigid=rigid,
         holding=tuple(holding),
+        **values,
     )

@@ -79,6 +79,11 @@ class Model:
         return self.surface_mass * GRAVITY * 1e3
 
     @cached_property
+    def extent(self) -> float:
+        """The largest extent of the shell along an axis, mm."""
+        return float(np.ptp(self.grid.nodes, axis=0).max())
+
+    @cached_property
     def turn(self) -> IntArray:
         """(v,) int, whose rotations each grid node has."""
         return self.grid.point if self.joints == "rigid" else np.arange(len(self.grid.nodes))
@@ -230,8 +235,8 @@ def _fibres(
         return None
     raise InputError(
         f"{shell.material.name} is stiffer along its fibre, and the shell has no fibre direction. "
-        "Give it one with shell.with_fibre(...), pass fibre=FibreAlongEdge() here, or pass "
-        "stiffness=Stiffness.isotropic(...)."
+        'Give it one with shell.with_fibre(FibreAlongCurve("a")), pass fibre=FibreAlongEdge() here '
+        "(ifs-cad analyse: --fibre a), or pass stiffness=Stiffness.isotropic(...)."
     )
 
 

@@ -143,12 +143,12 @@ class Result:
     def warnings(self) -> tuple[str, ...]:
         """What an engineer should look at before believing the numbers."""
         found = []
-        size = float(np.ptp(self.model.grid.nodes, axis=0).max())
+        size = self.model.extent
         moved = self.largest_displacement.value
         if not self.nonlinear and moved > LARGE_MOVEMENT * size:
             found.append(
-                f"it moves by {100 * moved / size:.2g} % of its size, where a linear answer "
-                "misleads: use analyse_nonlinear"
+                f"it moves by {moved:.0f} mm, {100 * moved / size:.0f} % of its size, where a "
+                "linear answer misleads: use analyse_nonlinear"
             )
         if self.mesh_error is not None and self.mesh_error > MESH_ERROR:
             divisions = 2 * self.model.grid.divisions

@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from ifs_cad.errors import MechanismError
 from ifs_cad.libraries import require
 from ifs_cad.progress import report
 from ifs_cad.structure.kratos import PURPOSE
-from ifs_cad.structure.mechanism import explain, zero_modes
+from ifs_cad.structure.mechanism import explain, explain_soft, soft_modes, zero_modes
 from ifs_cad.structure.model import Model
 from ifs_cad.types import FloatArray
 
+LARGE_SHARE = 0.1  # of a shell's extent, from which a single movement is named as too soft
 PROBES = 3  # solutions after which a random vector has turned into the softest movement
 
 
@@ -108,7 +108,7 @@ class Factors:
         Raises
         ------
         MechanismError
-            The structure moves without resistance; says where, and what would hold it.
+            The structure moves without resistance, or almost; says where, and what would hold it.
         """
         free = self.model.free
         wanted = forces[free] * self.scale
@@ -122,10 +122,17 @@ class Factors:
             modes, rigid = self.mechanisms()
             if modes.shape[1]:
                 raise explain(self.model, modes, rigid)
-            raise MechanismError(
+            raise explain_soft(
+                self.model,
+                self.soft_modes(forces),
                 f"The forces fail to balance by {100 * rest:.2g} % of the loads: the structure is "
-                "too soft for the precision of numbers. Look for panels that hardly hold together, "
-                "or joints much stiffer than panels."
+                "too soft for the precision of numbers, or joints are much stiffer than panels.",
             )
         moved[free] = solution * self.scale
         return moved
+
+    def soft_modes(self, forces: FloatArray) -> FloatArray:
+        """Return the movements, (size, k), by which (size,) forces move something too far."""
+        model, wanted = self.model, forces[self.model.free] * self.scale
+        limit = LARGE_SHARE * model.extent
+        return soft_modes(model, self.divide, self.scaled, self.scale, wanted, limit)

@@ -8,11 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from ifs_cad.structure.load import Loads, total_forces
+from ifs_cad.structure.mechanism import explain_soft
 from ifs_cad.structure.model import Model
 from ifs_cad.structure.result import Reaction, Result
 from ifs_cad.structure.section import resultants
 from ifs_cad.structure.solve import Factors
 from ifs_cad.types import FloatArray
+from ifs_cad.vectors import length
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,14 +33,24 @@ class Solver:
         Raises
         ------
         MechanismError
-            The structure moves without resistance; says where, and what would hold it.
+            The structure moves without resistance, or by more than its own size; says where, and
+            what would hold it.
         InputError
             Nothing is loaded, or a load cannot be read.
         """
         model = self.model
         forces = total_forces(loads, model.grid, model.surface_weight)
-        moved = self._factors.solve(model.vector(forces))
+        loaded = model.vector(forces)
+        moved = self._factors.solve(loaded)
         of_node = moved[model.freedoms]
+        largest = float(length(of_node[:, :3]).max())
+        if largest > model.extent:
+            raise explain_soft(
+                model,
+                self._factors.soft_modes(loaded),
+                f"A linear answer moves it by {largest:.0f} mm, more than its own size of "
+                f"{model.extent:.0f} mm.",
+            )
         of_quad = of_node[model.grid.quads].reshape(-1, 24)
         return Result(
             model=model,
@@ -46,7 +58,7 @@ class Solver:
             rotations=of_node[:, 3:],
             resultants=resultants(model.grid, model.matrices, of_quad, model.angles),
             forces=forces,
-            reactions=reactions(model, model.matrix @ moved - model.vector(forces)),
+            reactions=reactions(model, model.matrix @ moved - loaded),
         )
 
 

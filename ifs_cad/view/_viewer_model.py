@@ -8,7 +8,6 @@ is made here follows the format of three-cad-viewer, version 3, which all OCP vi
 from __future__ import annotations
 
 import base64
-import hashlib
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
@@ -24,7 +23,7 @@ from ifs_cad.elements.label import place_labels
 from ifs_cad.elements.polyhedron import Polyhedra
 from ifs_cad.kernel.assembly import STROKES_SUFFIX, modified_parts
 from ifs_cad.types import FloatArray
-from ifs_cad.view._assembly import Group, View
+from ifs_cad.view._assembly import Group
 
 Node = dict[str, Any]
 
@@ -32,7 +31,7 @@ NOWHERE = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))  # a place: shift, and turn as
 MARKS = "#5c4326"
 MARK_WIDTH = 1
 ARC_PARTS = 6
-CIRCLE_PARTS = 16
+CIRCLE_PARTS = 8  # a prototype has a thousand holes, and software draws lines slowly
 KNOWN_TEXTS = 4096  # addresses stay the same from one save of a script to the next
 SWATCH = 0.02  # height of a field of the legend, share of the model's size
 
@@ -73,26 +72,6 @@ def tree(group: Group, path: str, place: Any, instances: list[Node]) -> Node:
     if group.colouring is not None:
         node["parts"].append(_legend(group.colouring, path, moved, instances))
     return node
-
-
-def fingerprint(view: View) -> str | None:
-    """Return a text that differs when what is drawn differs; None when only a look would tell."""
-    digest = hashlib.sha256()
-    if not all(is_plain(group) for group in view.groups):
-        return None
-    known = sum(len(group.assembly.objects) for group in view.groups)
-    for name, part in view.assembly.objects.items():
-        digest.update(f"{name} {part.loc.toTuple()} {part.color and part.color.toTuple()}".encode())
-        known -= 1
-    if known or not view.groups:  # other things stand beside the elements
-        return None
-    for group in view.groups:
-        solids, data = group.elements.solids, group.assembly.metadata
-        for array in (solids.vertices, solids.loops, solids.face_offsets, group.shifts):
-            digest.update(np.ascontiguousarray(array).tobytes())
-        said = [data.get("label"), data.get("holes"), group.colouring and group.colouring.ticks()]
-        digest.update(repr([group.elements.addresses, *said]).encode())
-    return digest.hexdigest()
 
 
 def graft(shapes: Node, group: Group, stand_in: str, instances: list[Node]) -> bool:
@@ -220,7 +199,7 @@ def _packed(values: Any, kind: Any) -> Node:
 
 
 def _marks(group: Group, path: str) -> Iterator[Node]:
-    """Yield the addresses, and the holes, of all elements as lines on their faces."""
+    """Yield the addresses, and the holes, of all elements as lines on their marked faces."""
     elements, data = group.elements, group.assembly.metadata
     label, holes = data.get("label"), data.get("holes")
     if label is None and holes is None:
@@ -246,8 +225,7 @@ def _marks(group: Group, path: str) -> Iterator[Node]:
         circle = np.stack([ring[:-1], ring[1:]], axis=1)
         rings = placed.points[placed.present][:, None, None] + circle
         flat, owners = rings.reshape(-1, 2, 2), np.repeat(owners, CIRCLE_PARTS)
-        both = [_laid(group, frames, flat, owners, top) for top in (1.0, 0.0)]
-        yield _lines("holes", path, np.concatenate(both))
+        yield _lines("holes", path, _laid(group, frames, flat, owners))
 
 
 def _owners(strokes: list[FloatArray]) -> NDArray[np.int64]:
@@ -267,11 +245,9 @@ def _text_lines(text: str) -> FloatArray:
     return np.stack([np.stack([end.real, end.imag], axis=1) for end in ends], axis=1)
 
 
-def _laid(
-    group: Group, frames: CuttingFrames, flat: FloatArray, owners: Any, top: float = 1.0
-) -> FloatArray:
-    """Return lines in cutting frames where they are in the exploded shell, (n, 2, 3)."""
-    height = np.full((*flat.shape[:2], 1), top * frames.thickness)
+def _laid(group: Group, frames: CuttingFrames, flat: FloatArray, owners: Any) -> FloatArray:
+    """Return lines on the marked faces where they are in the exploded shell, (n, 2, 3)."""
+    height = np.full((*flat.shape[:2], 1), frames.thickness)
     laid = np.concatenate([flat, height], axis=2) - frames.offsets[owners, None]
     turned = np.einsum("nji,nkj->nki", frames.axes[owners], laid)
     return np.asarray(turned + group.shifts[owners, None])

@@ -33,7 +33,7 @@ from ifs_cad.elements.explosion import Explode
 from ifs_cad.errors import InputError, MissingLibraryError, ViewerError
 from ifs_cad.libraries import require
 from ifs_cad.view._assembly import MATERIAL, Group, View, parts, view_of, viewable
-from ifs_cad.view._viewer_model import fingerprint, graft, is_plain
+from ifs_cad.view._viewer_model import graft, is_plain
 
 HOSTS = ("127.0.0.1", "localhost")
 DEFAULT_PORT = 3939  # of both viewers
@@ -44,7 +44,7 @@ RELAY_SECONDS = 3.0  # within which a viewer passes even a large model on to an 
 POLL_SECONDS = 0.05
 
 _shown: dict[str, cq.Assembly] = {}  # by `show_object`, in this process
-_on_page: dict[int, tuple[str | None, str]] = {}  # by port: fingerprint and title of what is there
+_cameras: set[int] = set()  # ports of viewers that were given a camera from here
 
 
 def show(
@@ -54,12 +54,15 @@ def show(
     colour: str | Colouring = MATERIAL,
     explode: Explode = 0.0,
     exact: bool = False,
-    only_changed: bool = False,
+    keep_camera: bool = False,
     port: int | None = None,
     host: str = "127.0.0.1",
     timeout: float = 30.0,
-) -> bool:
-    """Show a model in a running OCP viewer; return when it is on the page.
+) -> None:
+    """Show a model in a running OCP viewer; return when the page has reported it.
+
+    The page reports a model once it is in its tree. Without a graphics card the first frame may
+    follow some seconds later.
 
     Panels and planks that `to_assembly` made are sent as flat faces, with addresses and holes as
     lines on them, which takes a fraction of a second. Everything else, and all of it with `exact`,
@@ -79,20 +82,14 @@ def show(
         How far sub-assemblies move apart, see `explosion`.
     exact : bool
         Send the solids as they are cut, with pockets and holes.
-    only_changed : bool
-        Keep the camera from the second time on, and send nothing when the page shows the same
-        model already.
+    keep_camera : bool
+        Leave the camera where it is, from the second time on.
     port : int, optional
         Where the viewer listens; without it, the environment variable ``OCP_PORT`` or 3939.
     host : str
         127.0.0.1 or localhost: only a viewer on this machine is spoken to.
     timeout : float, seconds
         How long the page may take to report the model back.
-
-    Returns
-    -------
-    bool
-        Whether it was sent; False only when `only_changed` found nothing new.
 
     Raises
     ------
@@ -111,15 +108,12 @@ def show(
     view = view_of(thing, colour, explode)
     client = _client()
     begins = viewer.expect_listening()
-    drawn = None if exact else fingerprint(view)
-    if only_changed and drawn is not None and viewer.still_shows(drawn):
-        return False
     now = datetime.now().time().isoformat(timespec="milliseconds")
     title = f"{name.replace('/', '-')} {now}"
     assembly, stand_ins = (view.assembly, {}) if exact else _with_stand_ins(view)
-    camera = {"reset_camera": client.Camera.KEEP} if only_changed else {}
+    camera = {"reset_camera": client.Camera.KEEP} if keep_camera else {}
     # a page opened anew has the camera of its splash screen, and the viewer does not tell
-    if begins or viewer.port not in _on_page:
+    if begins or viewer.port not in _cameras:
         camera = {"reset_camera": client.Camera.RESET}
     with _captured_output() as said, _grafting(client, stand_ins):
         try:
@@ -128,8 +122,7 @@ def show(
         except Exception as error:
             raise ViewerError(f"The viewer's client failed on {name!r}: {error}") from error
     viewer.expect_shown(title, timeout, said.getvalue())
-    _on_page[viewer.port] = (drawn, title)
-    return True
+    _cameras.add(viewer.port)
 
 
 def show_object(
@@ -259,11 +252,6 @@ class _Viewer:
                 f"{_start_command(other)}, and say so here by port={other} or OCP_PORT={other}."
             )
         return bool(answer["_splash"])
-
-    def still_shows(self, drawn: str) -> bool:
-        """Whether what was last sent from here was the same, and is on the page."""
-        before, title = _on_page.get(self.port, (None, ""))
-        return before == drawn and self._shows(title)
 
     def expect_shown(self, title: str, timeout: float, said: str) -> None:
         """Raise ViewerError unless the page reports a model of this title in time."""

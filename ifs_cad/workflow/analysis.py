@@ -23,7 +23,7 @@ from ifs_cad.structure.nonlinear import deform
 from ifs_cad.structure.result import Result
 from ifs_cad.structure.solver import Solver
 from ifs_cad.view.deformed import render_deformed
-from ifs_cad.workflow.question import Question, answer_to
+from ifs_cad.workflow.question import Question, answer_to, read_fibre
 
 LARGEST_DEFORMED = 50_000  # degrees of freedom; equilibrium is sought some twenty times
 
@@ -100,7 +100,11 @@ def make_analysis(assemblies: Sequence[Any], folder: Path, question: Question) -
 def _analyse(
     shell: Shell, asked_for: Analysis, folder: Path, prefix: str, question: Question
 ) -> tuple[Result, str]:
-    held: dict[str, Any] = {"supports": asked_for.supports, "joints": asked_for.joints}
+    held: dict[str, Any] = {
+        "supports": asked_for.supports,
+        "joints": asked_for.joints,
+        "fibre": read_fibre(question.fibre),
+    }
     loads = asked_for.loads
     if question.divisions is not None:
         model = model_of(shell, divisions=question.divisions, **held)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
+from ifs_cad.elements.fibre import FibreAlongCurve, SumCurve
 from ifs_cad.elements.panel import Shell
 from ifs_cad.errors import InputError
 from ifs_cad.structure.analysis import PRESSURE, Analysis
@@ -35,6 +37,8 @@ class Question:
         "standing" (the default), "borders", numbers or names of borders; with commas between too.
     joints : str, optional
         "hinge" (the default), "rigid" or a stiffness, N mm/rad per mm of edge.
+    fibre : str, optional
+        "a", "b" or "long": the curve along which the fibre runs, instead of the shell's own rule.
     divisions : int, optional, quads along each edge of a panel
         By default as many as keep the estimated error of the linear answer small.
     nonlinear : bool
@@ -56,6 +60,7 @@ class Question:
     weight: bool = False
     supports: Sequence[str] = ()
     joints: str | None = None
+    fibre: str | None = None
     divisions: int | None = None
     nonlinear: bool = False
     modes: int = 0
@@ -64,6 +69,7 @@ class Question:
         read_supports_text(self.supports)
         if self.joints is not None:
             _joints(self.joints)
+        read_fibre(self.fibre)
         for value in (self.load, self.surface_load):
             if value is not None and not (math.isfinite(value) and value >= 0):
                 raise InputError(f"The load must be 0 or more, got {value} N/m2.")
@@ -114,6 +120,16 @@ def read_supports_text(texts: Sequence[str]) -> list[Support]:
                 f'some of {", ".join(SIDES)}, with commas between: "a start, a end".'
             )
     return supports
+
+
+def read_fibre(text: str | None) -> FibreAlongCurve | None:
+    """Read the curve along which the fibre runs: "a", "b" or "long".
+
+    Raises
+    ------
+    InputError
+    """
+    return None if text is None else FibreAlongCurve(cast(SumCurve, text))
 
 
 def _joints(text: str) -> Joints:

@@ -57,7 +57,7 @@ def watch(
         "source": str(source),
         "settings": dict(settings),
         "port": port,
-        "options": {**options, "only_changed": True},
+        "options": {**options, "keep_camera": True},
     }
     files = {source.resolve()}
     was_shown = False
@@ -85,8 +85,7 @@ def _shown(do: Job, arguments: dict[str, Any], files: set[Path], begin: float) -
     done = do("show", arguments)
     files |= {Path(file) for file in done["files"]}
     seconds = time.monotonic() - begin
-    what = "Shown" if done["sent"] else "Nothing changed"
-    return f"{what} after {seconds:.1f} s. Watching {len(files)} file{'s' * (len(files) > 1)}."
+    return f"Shown after {seconds:.1f} s. Watching {len(files)} file{'s' * (len(files) > 1)}."
 
 
 def _saves(files: set[Path]) -> Iterator[float]:

@@ -214,8 +214,8 @@ def show(
                 files.append(place)
                 del sys.modules[name]
     progress.report("showing")
-    sent = send(model, Path(source).stem, port=port, **options)
-    return {"sent": sent, "files": files}
+    send(model, Path(source).stem, port=port, **options)
+    return {"files": files}
 
 
 def check(path: str) -> dict[str, Any]:
