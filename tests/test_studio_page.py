@@ -7,6 +7,7 @@ import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import pytest
 from ifs_cad.design_file import read_design, write_design
 from ifs_cad.design_record import Design, DrawnCurve
 from ifs_cad.elements.label import Label
+from ifs_cad.studio.model import autosave_path
 from ifs_cad.studio.session import Session
 
 viser = pytest.importorskip("viser", reason="the studio's page is not installed (extra 'studio')")
@@ -172,8 +174,12 @@ def test_a_control_point_follows_the_mouse_in_the_plane_of_its_curve(page: Page)
     assert [after[0], *after[2:]] == [before[0], *before[2:]]
     assert page.marker("a_p2") == pytest.approx(at + np.array([25, -35]), abs=3.0)
     assert page.design.b == DESIGN.b
-    page.session.undo()
+    dragged = page.design
+    page.press("Undo")
+    page.wait_for(lambda: page.design != dragged)
     assert page.design == DESIGN, "the whole drag is one step"
+    page.press("Redo")
+    page.wait_for(lambda: page.design == dragged)
 
 
 def test_a_subdivision_point_is_dragged_and_stays_in_its_span(page: Page) -> None:
@@ -237,6 +243,50 @@ def test_a_saved_design_is_back_after_a_reload(page: Page) -> None:
     page.page.get_by_text("can be built").wait_for()
     page.tab("Curve A")
     page.wait_for(lambda: page.box("Roughness").input_value() == "0.25")
+
+
+def test_what_a_crash_left_is_asked_about_until_it_is_decided(page: Page) -> None:
+    before = page.session.path
+    assert before is not None
+    other = write_design(DESIGN, before.with_name("other.toml"))
+    kept = write_design(replace(DESIGN, thickness=25.0), autosave_path(other))
+    page.tab("File")
+    page.type("Path", str(other))
+    page.wait_for(lambda: page.box("Path").input_value() == str(other))
+    page.press("Open")
+    asked = page.page.get_by_role("dialog")
+    asked.wait_for()
+    page.page.reload()
+    page.page.get_by_text("can be built").wait_for()
+    assert asked.count() == 0
+    page.tab("File")
+    page.press("Save")
+    page.page.get_by_text("First go on with it, or remove it").wait_for()
+    asked.wait_for()
+    assert read_design(kept).thickness == 25.0
+    asked.get_by_role("button", name="Go on with it").click()
+    page.wait_for(lambda: page.design.thickness == 25.0)
+    asked.wait_for(state="hidden")
+    page.press("Save")
+    page.wait_for(lambda: not kept.exists())
+    assert read_design(other).thickness == 25.0
+    page.session.open(before)
+
+
+def test_a_rest_of_a_crash_that_cannot_be_read_is_said(page: Page) -> None:
+    before = page.session.path
+    assert before is not None
+    other = write_design(DESIGN, before.with_name("unread.toml"))
+    autosave_path(other).write_text("version = 99\n")
+    page.tab("File")
+    page.type("Path", str(other))
+    page.wait_for(lambda: page.box("Path").input_value() == str(other))
+    page.press("Open")
+    asked = page.page.get_by_role("dialog")
+    asked.get_by_text(".unread.autosave.bad.toml").wait_for()
+    asked.get_by_role("button", name="Go on without it").click()
+    asked.wait_for(state="hidden")
+    page.session.open(before)
 
 
 FOREIGN_PAGE = """<html><body><script>

@@ -150,7 +150,7 @@ class FileControls:
         self._save_to(client, target)
 
     def _save_to(self, client: Any, target: Path) -> None:
-        if self._session.found is not None:  # closed without an answer, or asked of another client
+        if self._session.found is not None:  # asked of another client, or before a reload
             self.offer_found(client.gui)
         self._tell(client, "Saved", str(self._session.save(target)), True)
 
