@@ -69,7 +69,7 @@ def test_panels_that_share_a_node_share_no_volume(shell):
 
 
 @pytest.mark.slow
-@settings(max_examples=800)
+@settings(max_examples=400)
 @given(shells())
 def test_panels_that_share_a_node_share_no_volume_in_many_shells(shell):
     require_touching_only(shell)
