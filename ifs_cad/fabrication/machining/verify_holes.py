@@ -13,6 +13,7 @@ from ifs_cad.fabrication.machining.motions import Program
 from ifs_cad.fabrication.machining.placed import Holes, PlacedSheet
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.fabrication.machining.verification import Finding
+from ifs_cad.fabrication.machining.verify_kinds import wrong_kinds
 from ifs_cad.tolerance import Tolerance
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 
@@ -56,7 +57,14 @@ def verify_holes(
         _missing(program, cuts, sheet, drills, off, hole, tol)
         for hole in np.flatnonzero(~good.any(axis=0)).tolist()
     ]
-    faults += _wrong_kinds(program, cuts, drills[good.any(axis=1)], tools)
+    faults += wrong_kinds(
+        program,
+        cuts,
+        drills[good.any(axis=1)],
+        tools,
+        ("drill",),
+        "A hole is drilled with {tool}, which is no drill.",
+    )
     measured = {"hole": float(off[good].max(initial=0.0))}
     return Finding(tuple(faults), makes, measured)
 
@@ -97,19 +105,3 @@ def _missing(
 
 def _nearest(candidates: BoolArray, heights: FloatArray) -> int:
     return int(np.argmin(np.where(candidates, heights, np.inf)))
-
-
-def _wrong_kinds(
-    program: Program, cuts: Cuts, drills: IntArray, tools: dict[int, Tool]
-) -> list[Fault]:
-    """Return the faults of holes made by tools that are no drills, one for each tool."""
-    numbers, firsts = np.unique(cuts.motions.tools[drills], return_index=True)
-    return [
-        Fault(
-            line := int(cuts.motions.lines[drills[first]]),
-            program.address_at(line),
-            f"A hole is drilled with {tools[number]}, which is no drill.",
-        )
-        for number, first in zip(numbers.tolist(), firsts.tolist(), strict=True)
-        if tools[number].kind != "drill"
-    ]

@@ -25,6 +25,7 @@ from ifs_cad.fabrication.machining.settings import Settings
 from ifs_cad.fabrication.machining.tabs import FEWEST
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.fabrication.machining.verification import Finding
+from ifs_cad.fabrication.machining.verify_kinds import wrong_kinds
 from ifs_cad.tolerance import Tolerance
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 from ifs_cad.vectors import cross, dot, length, unit
@@ -90,7 +91,14 @@ def verify_sides(
         faults += _ways_of_cutting(program, cuts, sheet, passes, side, own, settings, tools, tol)
     if settings.hold == "tabs":
         faults += _loose(program, sheet, bridges)
-    faults += _wrong_kinds(program, cuts, np.flatnonzero(makes.any(axis=1)), tools)
+    faults += wrong_kinds(
+        program,
+        cuts,
+        np.flatnonzero(makes.any(axis=1)),
+        tools,
+        ("end mill",),
+        "A side is cut with {tool}, which is no end mill.",
+    )
     return Finding(tuple(faults), makes, {"plane": plane, "angle": angle})
 
 
@@ -326,19 +334,3 @@ def _missed(
         f"{passes.angle[nearest, side]:.4f} degrees off."
     )
     return Fault(int(cuts.motions.lines[passes.which[nearest]]), address, message)
-
-
-def _wrong_kinds(
-    program: Program, cuts: Cuts, motions: IntArray, tools: dict[int, Tool]
-) -> list[Fault]:
-    """Return the faults of sides cut by other tools than end mills, one for each tool."""
-    numbers, firsts = np.unique(cuts.motions.tools[motions], return_index=True)
-    return [
-        Fault(
-            line := int(cuts.motions.lines[motions[first]]),
-            program.address_at(line),
-            f"A side is cut with {tools[number]}, which is no end mill.",
-        )
-        for number, first in zip(numbers.tolist(), firsts.tolist(), strict=True)
-        if tools[number].kind != "end mill"
-    ]

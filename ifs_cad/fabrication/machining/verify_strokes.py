@@ -15,6 +15,7 @@ from ifs_cad.fabrication.machining.motions import Kind, Program
 from ifs_cad.fabrication.machining.placed import PlacedSheet
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.fabrication.machining.verification import Finding
+from ifs_cad.fabrication.machining.verify_kinds import wrong_kinds
 from ifs_cad.tolerance import Tolerance
 from ifs_cad.types import BoolArray, FloatArray, IntArray
 
@@ -69,7 +70,14 @@ def verify_strokes(
                 program, cuts, sheet, stroke, graving[motions[near]], off[near], heights[:, near]
             )
         )
-    faults += _wrong_kinds(program, cuts, graving[motions[good]], tools)
+    faults += wrong_kinds(
+        program,
+        cuts,
+        graving[motions[good]],
+        tools,
+        ("engraver", "end mill"),
+        "A stroke is engraved with {tool}.",
+    )
     return Finding(tuple(faults), makes, {"stroke": float(off[good].max(initial=0.0))})
 
 
@@ -165,19 +173,3 @@ def _missing(
         f"{cuts.diameters[motion]:g} mm wide."
     )
     return Fault(int(cuts.motions.lines[motion]), address, message)
-
-
-def _wrong_kinds(
-    program: Program, cuts: Cuts, motions: IntArray, tools: dict[int, Tool]
-) -> list[Fault]:
-    """Return the faults of strokes made by drills, one for each tool."""
-    numbers, firsts = np.unique(cuts.motions.tools[motions], return_index=True)
-    return [
-        Fault(
-            line := int(cuts.motions.lines[motions[first]]),
-            program.address_at(line),
-            f"A stroke is engraved with {tools[number]}.",
-        )
-        for number, first in zip(numbers.tolist(), firsts.tolist(), strict=True)
-        if tools[number].kind == "drill"
-    ]
