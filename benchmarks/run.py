@@ -4,7 +4,7 @@
     python benchmarks/run.py --only ab       some of it, by letter
     python benchmarks/run.py --quick         fewer repetitions
     python benchmarks/run.py --strict        exit with 1 when a limit is missed
-    python benchmarks/run.py --write FILE    keep the table as Markdown
+    python benchmarks/run.py --write FILE    keep the table as Markdown, its pictures beside it
 
 Times are the best of repetitions taken in turns (A B A B ...) in one run, so ratios hold on a busy
 machine, too; "noise" is the median wall time over the best time.
@@ -19,6 +19,9 @@ from pathlib import Path
 
 from table import Line, machine, markdown
 
+# for the browser without a screen that the tests use
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+
 PREAMBLE = """\
 # Benchmarks
 
@@ -29,6 +32,17 @@ of its wall and its processor time. Noise is the median wall time over the best 
 machine. The panels are {thickness:g} mm thick, over a rough arch and a rough fold; the planks
 follow a Bezier curve.
 
+![The limits, and how much of each is used](pictures/limits.png)
+
+"""
+
+PICTURES = """
+The studio of line m after a control point was dragged, and the viewer's page of line n, both in a
+browser without a screen, in the run that made the table:
+
+![The studio](pictures/studio.png)
+
+![The preview](pictures/preview.png)
 """
 
 
@@ -37,29 +51,35 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         description="Measure ifs_cad side by side with its peers.",
     )
-    parser.add_argument("--only", default="abcdefghijklm", metavar="LETTERS", help="from a to m")
+    parser.add_argument("--only", default="abcdefghijklmn", metavar="LETTERS", help="from a to n")
     parser.add_argument("--quick", action="store_true", help="fewer repetitions")
     parser.add_argument("--strict", action="store_true", help="exit with 1 when a limit is missed")
-    parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table as Markdown")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="keep the table, and pictures")
     arguments = parser.parse_args()
     lines = []
-    for line in measured(set(arguments.only), quick=arguments.quick):
+    pictures = None
+    if arguments.write is not None:
+        pictures = arguments.write.parent / "pictures"
+        pictures.mkdir(parents=True, exist_ok=True)
+    for line in measured(set(arguments.only), arguments.quick, pictures):
         print(f"{line.key}: {line.what}: {' '.join(line.cells()[4:])}", file=sys.stderr)
         lines.append(line)
     lines.sort(key=lambda line: line.key)
     table = markdown(lines)
     print(f"{machine()}\n\n{table}")
-    if arguments.write is not None:
+    if pictures is not None:
         import designs
+        from chart import draw_limits
 
+        draw_limits(lines, pictures / "limits.png")
         head = PREAMBLE.format(machine=machine(), thickness=designs.THICKNESS)
-        arguments.write.write_text(head + table + "\n", encoding="utf-8")
+        arguments.write.write_text(f"{head}{table}\n{PICTURES}", encoding="utf-8")
     missed = [line for line in lines if not line.passed]
     print(f"\n{len(missed)} of {sum(line.limit is not None for line in lines)} limits missed.")
     return int(bool(missed) and arguments.strict)
 
 
-def measured(letters: set[str], quick: bool) -> Iterator[Line]:
+def measured(letters: set[str], quick: bool, pictures: Path | None) -> Iterator[Line]:
     """Measure topic after topic; the numpy one first, before the kernel is loaded."""
     if "a" in letters:
         import curves_to_panels
@@ -100,7 +120,11 @@ def measured(letters: set[str], quick: bool) -> Iterator[Line]:
     if "m" in letters:
         import studio
 
-        yield from studio.measure(2 if quick else 9)
+        yield from studio.measure(2 if quick else 9, pictures)
+    if "n" in letters:
+        import preview
+
+        yield from preview.measure(2 if quick else 9, pictures)
     if "f" in letters:
         import memory
 

@@ -14,12 +14,14 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from screens import PATIENCE, frames, headless_browser
 from table import Line, milliseconds
 from timing import interleaved
 
 from ifs_cad.elements.hole import Holes
 from ifs_cad.elements.label import Label
-from ifs_cad.studio.run import opened
+from ifs_cad.studio.handles import Key
+from ifs_cad.studio.run import Studio, opened
 
 ROUGH = "figure_18_thickened_surface"
 EXACT = "figure_21_prototype"
@@ -35,15 +37,15 @@ CASES: tuple[tuple[str, float | None, int, bool, dict[str, Any]], ...] = (
 )
 """What is sent, its limit in ms, the depth, whether panels are made, what else is changed."""
 
+PICTURED = "16 x 16, panels, report, labels, holes, prototype"
+PICTURE = "studio.png"
 
-def drag(
-    open_studios: ExitStack, path: Path, name: str, depth: int, panels: bool, **changes: Any
-) -> Callable[[], Any]:
+
+def drag(studio: Studio, name: str, depth: int, panels: bool, **changes: Any) -> Callable[[], Any]:
     """Return a job that moves a control point a little further and waits for the page.
 
     Without panels as while the mouse button is held, with them as when it was released.
     """
-    studio = open_studios.enter_context(opened(path))
     session, page = studio.session, studio.page
     session.edit(lambda model: model.load_preset(name))
     session.edit(lambda model: model.set_depth("a", depth))
@@ -62,20 +64,24 @@ def drag(
     return job
 
 
-def measure(rounds: int) -> list[Line]:
+def measure(rounds: int, pictures: Path | None) -> list[Line]:
     """Measure a rough and an exact surface in two sizes, all in turns."""
     jobs: dict[str, Callable[[], Any]] = {}
+    studios: dict[str, Studio] = {}
     limits: dict[str, float | None] = {}
     calls: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as folder, ExitStack() as open_studios:
         for name in (ROUGH, EXACT):
             for part, limit, depth, panels, changes in CASES:
                 what = f"{part}, {name.split('_', 2)[2].replace('_', ' ')}"
-                path = Path(folder, f"{len(jobs)}.toml")
-                jobs[what] = drag(open_studios, path, name, depth, panels, **changes)
+                studio = open_studios.enter_context(opened(Path(folder, f"{len(jobs)}.toml")))
+                studios[what] = studio
+                jobs[what] = drag(studio, name, depth, panels, **changes)
                 limits[what] = limit
                 calls[what] = 1 if panels else 8  # short ones meet a quiet moment more rarely
         timings = interleaved(jobs, rounds, calls)
+        if pictures is not None:
+            _photograph(studios[PICTURED], pictures / PICTURE)
     return [
         Line(
             "m",
@@ -91,6 +97,19 @@ def measure(rounds: int) -> list[Line]:
     ]
 
 
+def _photograph(studio: Studio, path: Path) -> None:
+    """Take a picture of a studio's page after a control point was dragged."""
+    with headless_browser() as browser:
+        page = browser.new_page(viewport={"width": 1100, "height": 650})
+        page.set_default_timeout(1000 * PATIENCE)
+        page.goto(studio.address)
+        page.get_by_text("Software WebGL").wait_for()
+        page.locator(".mantine-Notification-closeButton").click()
+        studio.page.select(Key("a", 1))
+        frames(page)
+        page.screenshot(path=path)
+
+
 if __name__ == "__main__":
-    for line in measure(9):
+    for line in measure(9, None):
         print(" | ".join(line.cells()))

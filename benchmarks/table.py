@@ -42,6 +42,13 @@ class Line:
             return True
         return self.value >= self.limit if self.at_least else self.value <= self.limit
 
+    @property
+    def used(self) -> float:
+        """The share of the limit that is used: 1 at the limit, more beyond it."""
+        if self.limit is None:
+            return 0.0
+        return self.limit / self.value if self.at_least else self.value / self.limit
+
     def cells(self) -> tuple[str, ...]:
         """Return the texts of the line."""
         limit = verdict = noise = ""

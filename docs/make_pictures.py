@@ -1,12 +1,16 @@
 """Make the pictures of the documentation, and the gallery of all parts.
 
 python docs/make_pictures.py [name ...] makes all of them, or those of these names. It needs
-matplotlib; the preview also playwright and chromium.
+matplotlib; the preview and the studio also Playwright and Chromium.
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
+
+# the browser without a screen that the tests use
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
 
 from drawings import curves, gallery, panels, structure, surfaces, tutorial, viewing
 from drawings.style import PICTURES
@@ -31,6 +35,7 @@ DRAWINGS = (
     viewing.sheets,
     viewing.smooth_to_rough,
     viewing.preview,
+    viewing.studio,
     gallery.gallery_pictures,
     gallery.gallery_page,
 )

@@ -1,7 +1,6 @@
 """The overview page: parsed by another's parser, and opened in a browser."""
 
 import base64
-import shutil
 import struct
 import zlib
 from dataclasses import replace
@@ -26,7 +25,6 @@ from ifs_cad.fabrication.workshop import Workshop
 NASTY = "</title><script>alert('1')</script> \"&amp;\x07"
 SHOWN = NASTY.replace("\x07", " ")
 VOID = {"meta", "img", "input"}
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -323,18 +321,6 @@ def test_a_picture_that_is_none_leaves_the_former_page(folder):
     with pytest.raises(ExportError, match="Cannot read the picture"):
         export_overview(path, **arguments)
     assert path.read_bytes() == before
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if path is None:
-        pytest.skip(f"no browser: install one of {', '.join(BROWSERS)}")
-    with playwright.sync_playwright() as p:
-        browser = p.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import base64
-import contextlib
 import http.server
 import io
 import os
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
-import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,6 +19,7 @@ from typing import Any
 import cadquery as cq
 import numpy as np
 import pytest
+from screens import free_port, open_viewer_page, running_viewer
 from typer.testing import CliRunner
 
 import ifs_cad as ifs
@@ -32,14 +30,6 @@ from ifs_cad.view import preview
 from ifs_cad.view._assembly import view_of
 from ifs_cad.view._viewer_model import NOWHERE, is_plain, tree
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-# software rendering: a test machine may have neither a graphics card nor a screen
-BROWSER_OPTIONS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-]
 RED = (0.9, 0.1, 0.1)
 PROTOTYPE = Path(__file__).parents[1] / "parts" / "shell_prototype.py"
 
@@ -58,12 +48,6 @@ def vault(rows: int = 16, columns: int = 16) -> cq.Assembly:
     return shell
 
 
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return int(listener.getsockname()[1])
-
-
 @pytest.fixture(autouse=True)
 def nothing_shown_before(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(preview, "_shown", {})
@@ -71,62 +55,17 @@ def nothing_shown_before(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("OCP_PORT", raising=False)
 
 
-@contextlib.contextmanager
-def running_viewer(home: Path) -> Iterator[int]:
-    """Run a standalone viewer that keeps its settings in `home`; yield its port."""
-    pytest.importorskip("ocp_viewer", reason="the viewer is not installed (extra 'view')")
-    port = free_port()
-    with (home / "viewer.log").open("wb") as log:
-        server = subprocess.Popen(
-            [sys.executable, "-m", "ocp_viewer", "--host", "127.0.0.1", "--port", str(port)],
-            env={**os.environ, "HOME": str(home), "USERPROFILE": str(home)},
-            stdout=log,
-            stderr=log,
-        )
-        try:
-            wait_until_served(f"http://127.0.0.1:{port}/viewer", server)
-            yield port
-        finally:
-            server.send_signal(signal.SIGINT if os.name == "posix" else signal.SIGTERM)
-            server.wait(timeout=30)
-
-
-def wait_until_served(url: str, server: subprocess.Popen[bytes]) -> None:
-    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-    for _ in range(600):
-        assert server.poll() is None, "the viewer ended"
-        try:
-            with opener.open(url, timeout=5):
-                return
-        except OSError:
-            time.sleep(0.1)
-    pytest.fail(f"{url} is not served after a minute")
-
-
 @pytest.fixture(scope="module")
 def viewer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
+    pytest.importorskip("ocp_viewer", reason="the viewer is not installed (extra 'view')")
     with running_viewer(tmp_path_factory.mktemp("home")) as port:
         yield port
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if path is None:
-        pytest.skip(f"no browser: install one of {', '.join(BROWSERS)}")
-    with playwright.sync_playwright() as p:
-        browser = p.chromium.launch(executable_path=path, args=BROWSER_OPTIONS)
-        yield browser
-        browser.close()
 
 
 @pytest.fixture
 def page(browser: Any, viewer: int) -> Iterator[Any]:
     """The viewer's page, with the splash screen on it."""
-    page = browser.new_page(viewport={"width": 1000, "height": 700})
-    page.goto(f"http://127.0.0.1:{viewer}/viewer")
-    page.get_by_text("Eye").wait_for()  # a part of the splash screen
+    page = open_viewer_page(browser, viewer, 1000, 700)
     yield page
     page.close()
 

@@ -102,7 +102,7 @@ def test_a_second_job_has_to_wait(watched: Watched) -> None:
 
 
 def test_a_cancelled_job_ends_its_process_and_leaves_no_folder(
-    watched: Watched, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    watched: Watched, own_worker: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Also while the process says nothing, as in its first seconds."""
     started: list[Any] = []

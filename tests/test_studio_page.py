@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import http.server
-import shutil
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from screens import frames
 
 from ifs_cad.design_file import read_design, write_design
 from ifs_cad.design_record import Design, DrawnCurve
@@ -25,14 +27,6 @@ run = pytest.importorskip("ifs_cad.studio.run")
 
 pytestmark = pytest.mark.browser
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-# software rendering: a test machine may have neither a graphics card nor a screen
-BROWSER_OPTIONS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-]
 PATIENCE = 120.0  # seconds; a busy machine without a graphics card draws slowly
 DESIGN = Design(
     a=DrawnCurve(((0, 0, 0), (400, 0, 900), (1600, 0, 900), (2000, 0, 0)), depth=1),
@@ -71,8 +65,7 @@ class Page:
     def settle(self) -> None:
         """Wait until the page has drawn what it was sent, and its camera rests."""
         assert self.studio.page.wait(PATIENCE)
-        for _ in range(3):
-            self.page.evaluate("() => new Promise(done => requestAnimationFrame(() => done()))")
+        frames(self.page, 3)
 
     def wait_for(self, condition: Callable[[], Any]) -> None:
         end = time.monotonic() + PATIENCE
@@ -137,26 +130,18 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def open_page(studio: Any) -> Iterator[Page]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if path is None:
-        pytest.skip(f"no browser: install one of {', '.join(BROWSERS)}")
-    with playwright.sync_playwright() as p:
-        browser = p.chromium.launch(executable_path=path, args=BROWSER_OPTIONS)
-        context = browser.new_context(viewport={"width": 760, "height": 520})
-        page = context.new_page()
-        page.set_default_timeout(1000 * PATIENCE)
-        asked: list[str] = []
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(studio.address)
-        page.get_by_text("can be built").wait_for()
-        opened = Page(studio, page)
-        opened.wait_for(studio.server.get_clients)
-        yield opened
-        here = ("http://127.0.0.1:", "data:", "blob:")
-        assert [url for url in asked if not url.startswith(here)] == [], "the page goes outside"
-        browser.close()
+def open_page(browser: Any, studio: Any) -> Iterator[Page]:
+    page = browser.new_context(viewport={"width": 760, "height": 520}).new_page()
+    page.set_default_timeout(1000 * PATIENCE)
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto(studio.address)
+    page.get_by_text("can be built").wait_for()
+    opened = Page(studio, page)
+    opened.wait_for(studio.server.get_clients)
+    yield opened
+    here = ("http://127.0.0.1:", "data:", "blob:")
+    assert [url for url in asked if not url.startswith(here)] == [], "the page goes outside"
 
 
 @pytest.fixture
@@ -340,8 +325,6 @@ def test_the_step_file_that_is_downloaded_passes_the_check(page: Page, tmp_path:
     assert download.value.suggested_filename == "small.step"
     target = tmp_path / "small.step"
     download.value.save_as(target)
-    from ifs_cad.workflow.supervise import Listener
-    from ifs_cad.workflow.supervise import run as run_job
-
-    report = run_job("check", {"path": str(target)}, Listener())
-    assert report["data"]["ok"], report["text"]
+    check = [sys.executable, "-m", "ifs_cad.cli", "check", str(target)]
+    done = subprocess.run(check, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr

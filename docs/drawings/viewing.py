@@ -1,21 +1,19 @@
-"""Pictures of pictures: colours by sheet, a moving picture, the viewer's page."""
+"""Pictures of pictures: colours by sheet, a moving one, the pages of the viewer and the studio."""
 
 from __future__ import annotations
 
-import os
-import shutil
-import sys
-from contextlib import suppress
-from signal import SIGINT
-from socket import socket
-from subprocess import DEVNULL, Popen
+from contextlib import chdir
+from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from screens import frames, headless_browser, open_viewer_page, running_viewer
 
 import ifs_cad as ifs
 from drawings.gallery import shown
 from drawings.style import PICTURES
+from ifs_cad.studio.handles import Key
+from ifs_cad.studio.run import opened
 
 
 def sheets() -> None:
@@ -44,28 +42,33 @@ def smooth_to_rough() -> None:
 
 
 def preview() -> None:
-    """Take a picture of the viewer's page with the prototype in it; needs a viewer and chromium."""
-    from playwright.sync_api import Error, sync_playwright
+    """Take a picture of the viewer's page with the prototype in it; needs a viewer and Chromium."""
+    with (
+        TemporaryDirectory() as home,
+        running_viewer(Path(home)) as port,
+        headless_browser() as browser,
+    ):
+        page = open_viewer_page(browser, port, 1100, 650)
+        assembly = shown("shell_prototype")
+        ifs.show(assembly, "shell_prototype", colour="area", port=port, timeout=120)
+        frames(page)
+        page.screenshot(path=PICTURES / "preview.png")
 
-    with socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = str(free.getsockname()[1])
-    with TemporaryDirectory() as home, sync_playwright() as playwright:
-        viewer = [sys.executable, "-m", "ocp_viewer", "--host", "127.0.0.1", "--port", port]
-        with Popen(viewer, env={**os.environ, "HOME": home}, stdout=DEVNULL) as server:
-            browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"),
-                args=["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-            )
-            page = browser.new_page(viewport={"width": 1100, "height": 650})
-            page.set_default_timeout(120_000)
-            while server.poll() is None:  # until it serves the page
-                with suppress(Error):
-                    page.goto(f"http://127.0.0.1:{port}/viewer")
-                    break
-            page.get_by_text("Eye").wait_for()
-            assembly = shown("shell_prototype")
-            ifs.show(assembly, "shell_prototype", colour="area", port=int(port), timeout=120)
-            page.screenshot(path=PICTURES / "preview.png")
-            browser.close()
-            server.send_signal(SIGINT)
+
+def studio() -> None:
+    """Take a picture of the studio with the prototype in it; needs Chromium."""
+    with (
+        TemporaryDirectory() as folder,
+        chdir(folder),  # designs without a file are kept in the current folder
+        opened() as studio,
+        headless_browser() as browser,
+    ):
+        page = browser.new_page(viewport={"width": 1400, "height": 880})
+        page.set_default_timeout(120_000)  # ms; without a graphics card drawing is slow
+        page.goto(studio.address)
+        page.get_by_text("can be built").wait_for()
+        page.get_by_text("Software WebGL").wait_for()
+        page.locator(".mantine-Notification-closeButton").click()
+        studio.page.select(Key("a", 1))
+        frames(page)
+        page.screenshot(path=PICTURES / "studio.png")

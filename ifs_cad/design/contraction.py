@@ -113,8 +113,9 @@ def contraction(
     products = maps
     for _ in range(length - 1):
         products = (products[:, None] @ maps).reshape(-1, *maps.shape[1:])
-    largest = np.linalg.norm(products, ord=2, axis=(1, 2)).max()
-    return Contraction(float(largest ** (1.0 / length)), length)
+    # the spectral norm by a symmetric eigenvalue takes half the time of a singular value
+    squared = np.linalg.eigvalsh(np.swapaxes(products, 1, 2) @ products).max(initial=0.0)
+    return Contraction(float(squared ** (0.5 / length)), length)
 
 
 def diameter_contraction(

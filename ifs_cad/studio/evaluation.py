@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -91,8 +91,8 @@ class Evaluation:
     ----------
     a, b : CurveView
     shape : (rows, columns) of the surface, (0, 0) without one
-    vertices : ((rows + 1) * (columns + 1), 3) float, mm; NaN where a weight is not positive
-    faces : (f, 4) int, those without NaN; in the order of their addresses when all are there
+    vertices : (v, 3) float, mm; NaN where a weight is not positive
+    faces : (f, 4) int, those without NaN, row by row
     addresses : tuple of f str
     shell : Shell or None
     panels : PanelView or None
@@ -114,6 +114,14 @@ class Evaluation:
     label_normals: FloatArray
     report: Report | None
     problems: tuple[Problem, ...]
+
+    @cached_property
+    def extent(self) -> tuple[FloatArray, FloatArray]:
+        """The lowest and the highest coordinates of what is drawn, mm."""
+        curves = [view.control_points + view.shift for view in (self.a, self.b)]
+        points = np.concatenate([*curves, self.vertices])
+        points = points[np.isfinite(points).all(axis=1)]
+        return points.min(axis=0), points.max(axis=0)
 
     @property
     def can_be_built(self) -> bool:
@@ -157,13 +165,15 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
                 )
             )
         else:
-            surface = _surface(curve_a, curve_b)
             try:
                 mesh = vector_sum(curve_a, curve_b)
+                surface = _surface_of(mesh, (curve_a.segments, curve_b.segments))
             except WeightError as error:
+                surface = _surface(curve_a, curve_b)
                 marked = _beside_gaps(surface)
                 problems.append(Problem(str(error), "error", None, error.addresses, points=marked))
             except IfsCadError as error:
+                surface = _surface(curve_a, curve_b)
                 problems.append(_at(surface, error))
     # none of a curve that only stands in for the drawn one
     drawn = all(problem.severity != "error" for problem in problems)
@@ -245,6 +255,11 @@ def _marked(curve: Curve, error: IfsCadError) -> FloatArray:
     """Return the (n, 3) starts of the segments that an error names, mm."""
     named = np.isin(curve.addresses, error.addresses)
     return curve.points[:-1][named]
+
+
+def _surface_of(mesh: Mesh, shape: tuple[int, int]) -> _Surface:
+    """Return the faces of a sum that can be built."""
+    return _Surface(shape, mesh.vertices, mesh.corners.reshape(-1, 4), mesh.addresses)
 
 
 def _surface(a: Curve, b: Curve) -> _Surface:

@@ -15,7 +15,7 @@ from ifs_cad.studio.events import on_click, on_drag
 from ifs_cad.studio.grip import Grip, Rule
 from ifs_cad.studio.model import StudioModel
 from ifs_cad.studio.plane import plane_of
-from ifs_cad.studio.scene import METRES, corners_of, put
+from ifs_cad.studio.scene import METRES, put
 from ifs_cad.types import FloatArray
 
 CONTROL_RADIUS, SUBDIVISION_RADIUS = 0.011, 0.0085  # of the size of the design
@@ -128,7 +128,7 @@ class Handles:
 
     def _resize(self, evaluation: Evaluation) -> None:
         """Fit the balls to a design that has become much larger or smaller."""
-        low, high = corners_of(evaluation)
+        low, high = evaluation.extent
         size = float(np.linalg.norm(high - low)) * METRES
         if self._grips or 0.7 < self._radius / max(size, 1e-9) < 1.4:
             return

@@ -34,7 +34,7 @@ MOST_OUTLINED = 4096
 MOST_OUTLINED_DRAGGED = 1024
 """Of a surface with more faces none are: it has to follow the mouse."""
 
-__all__ = ["METRES", "Scene", "corners_of", "panels_of_faces", "put"]
+__all__ = ["METRES", "Scene", "panels_of_faces", "put"]
 
 
 class Scene:
@@ -61,7 +61,7 @@ class Scene:
 
     def draw(self, evaluation: Evaluation, design: Design) -> None:
         """Show an evaluation in place of the former one."""
-        low, high = corners_of(evaluation)
+        low, high = evaluation.extent
         width = EDGE_WIDTH * float(np.linalg.norm(high - low))
         if evaluation.shell is not None and evaluation.panels is not None and self.show_panels:
             self._shell(evaluation, evaluation.shell, evaluation.panels, width, design.label)
@@ -117,7 +117,7 @@ class Scene:
 
     def camera(self, evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
         """Return where a camera sees all of a design from, and what it looks at, m."""
-        low, high = corners_of(evaluation)
+        low, high = evaluation.extent
         middle = (low + high) / 2 * METRES
         away = VIEW / np.linalg.norm(VIEW) * DISTANCE * float(np.linalg.norm(high - low)) * METRES
         return middle + away, middle
@@ -131,7 +131,7 @@ class Scene:
 
     def _marks(self, evaluation: Evaluation) -> None:
         """Put a ball at each place that a problem names."""
-        low, high = corners_of(evaluation)
+        low, high = evaluation.extent
         size = MARK_SIZE * float(np.linalg.norm(high - low)) * METRES
         for severity, colour in (("error", look.WRONG), ("warning", look.DOUBTFUL)):
             places = [
@@ -155,7 +155,7 @@ class Scene:
             )
 
     def _ground(self, evaluation: Evaluation, floor: float | None) -> None:
-        low, high = corners_of(evaluation)
+        low, high = evaluation.extent
         height = floor if floor is not None else min(0.0, float(low[2]))
         size = float(np.linalg.norm(high - low)) * METRES
         section = float(10.0 ** np.round(np.log10(max(size, 1e-6) / 4.0)))
@@ -234,18 +234,6 @@ def put(node: Any, place: tuple[float, float, float]) -> None:
     if not node.position.any():
         node.position = (x, y, z + 1.0)
     node.position = (x, y, z)
-
-
-def corners_of(evaluation: Evaluation) -> tuple[FloatArray, FloatArray]:
-    """Return the lowest and the highest coordinates of what is drawn, mm."""
-    parts = [
-        evaluation.a.control_points + evaluation.a.shift,
-        evaluation.b.control_points + evaluation.b.shift,
-        evaluation.vertices,
-    ]
-    points = np.concatenate(parts)
-    points = points[np.isfinite(points).all(axis=1)]
-    return points.min(axis=0), points.max(axis=0)
 
 
 def panels_of_faces(evaluation: Evaluation, faces: IntArray) -> IntArray:

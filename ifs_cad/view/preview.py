@@ -16,6 +16,7 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import logging
 import os
 import socket
 import time
@@ -42,6 +43,9 @@ LISTEN_SECONDS = 0.5
 ANSWER_SECONDS = 3.0
 RELAY_SECONDS = 3.0  # within which a viewer passes even a large model on to an open page
 POLL_SECONDS = 0.05
+
+_UNHEARD = logging.getLogger(f"{__name__}.line")
+_UNHEARD.disabled = True  # a line that breaks off is asked anew, which is no one's trouble
 
 _shown: dict[str, cq.Assembly] = {}  # by `show_object`, in this process
 _cameras: set[int] = set()  # ports of viewers that were given a camera from here
@@ -281,7 +285,11 @@ class _Viewer:
 
         try:
             with connect(
-                f"ws://{self.place}", proxy=None, open_timeout=ANSWER_SECONDS, close_timeout=0.1
+                f"ws://{self.place}",
+                proxy=None,
+                open_timeout=ANSWER_SECONDS,
+                close_timeout=0.1,
+                logger=_UNHEARD,
             ) as line:
                 line.send(f"C:{json.dumps(question)}")
                 answer = json.loads(line.recv(timeout=ANSWER_SECONDS))

@@ -18,6 +18,7 @@ from ifs_cad.workflow.supervise import Job, Listener, session
 
 DEBOUNCE_MS = 50  # within which changes count as one save
 STEP_MS = 10
+LOOK_MS = 500  # after which files are looked at without an event, too
 
 Report = Callable[[str], None]
 
@@ -89,35 +90,40 @@ def _shown(do: Job, arguments: dict[str, Any], files: set[Path], begin: float) -
 
 
 def _saves(files: set[Path]) -> Iterator[float]:
-    """Yield the time now, then that of each change of one of the files; they may become more."""
+    """Yield the time now, then that of each change of one of the files; they may become more.
+
+    Events only wake: what counts is the state of the files, so a save is told once, however many
+    events it makes, and is not missed while the one before is being shown.
+    """
     watchfiles = require("watchfiles", "--watch", extra="view")
-    stamps = _stamps(files)
+    seen = _states(files)
     yield time.monotonic()
     while True:
         folders = {file.parent for file in files}
-        if any(stamps.get(file, stamp) != stamp for file, stamp in _stamps(files).items()):
-            stamps = _stamps(files)
-            yield time.monotonic()  # saved while nobody watched
-        stamps = _stamps(files)
-        for changes in watchfiles.watch(
+        events = watchfiles.watch(
             *folders,
             watch_filter=None,
             debounce=DEBOUNCE_MS,
             step=STEP_MS,
+            rust_timeout=LOOK_MS,
+            yield_on_timeout=True,
             recursive=False,
-        ):
-            if any(
-                kind != watchfiles.Change.deleted and Path(file) in files for kind, file in changes
-            ):
+        )
+        while folders == {file.parent for file in files}:
+            states = _states(files)
+            changed = any(seen.get(file, state) != state for file, state in states.items())
+            seen |= states
+            if changed:
                 yield time.monotonic()
-            if folders != {file.parent for file in files}:
-                break
+            else:
+                next(events)
 
 
-def _stamps(files: set[Path]) -> dict[Path, int]:
-    """Return when each file was written."""
-    stamps = {}
+def _states(files: set[Path]) -> dict[Path, tuple[int, int]]:
+    """Return when each file was written, and its size."""
+    states = {}
     for file in files:
         with suppress(OSError):
-            stamps[file] = file.stat().st_mtime_ns
-    return stamps
+            state = file.stat()
+            states[file] = state.st_mtime_ns, state.st_size
+    return states
