@@ -11,7 +11,9 @@ from pathlib import Path
 
 import cadquery as cq
 import pytest
+from typer.testing import CliRunner
 
+from ifs_cad.cli import app
 from ifs_cad.errors import ScriptError
 from ifs_cad.workflow import worker
 from ifs_cad.workflow.build import build
@@ -94,6 +96,11 @@ def ifs_cad(*arguments):
     return subprocess.run(
         command(*arguments), capture_output=True, text=True, timeout=300, env=environment()
     )
+
+
+def invoked(*arguments):
+    """Run the command in this process: for what it says and writes, not for how it ends."""
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def contents(folder):
@@ -209,8 +216,8 @@ def test_target_that_cannot_be_written_is_an_error(folder, obstacle):
     (folder / "box.py").write_text(BOX)
     Path(obstacle).parent.mkdir(parents=True, exist_ok=True)
     Path(obstacle).write_text("in the way")
-    result = ifs_cad("build", "box.py", "--quiet")
-    assert result.returncode == 1
+    result = invoked("build", "box.py", "--quiet")
+    assert result.exit_code == 1
     assert result.stderr.startswith("Error: ")
     assert "exports/box" in result.stderr
     assert "Traceback" not in result.stderr
@@ -223,12 +230,12 @@ def test_target_that_cannot_be_written_is_an_error(folder, obstacle):
 
 def test_build_says_where_it_is_and_what_it_wrote(folder):
     (folder / "box.py").write_text(BOX + "print('[bold]six[/bold] faces')")
-    result = ifs_cad("build", "box.py", "--set", "size=-2", "-o", "out", "--schema", "AP242")
-    assert result.returncode == 1  # a box of negative size
+    result = invoked("build", "box.py", "--set", "size=-2", "-o", "out", "--schema", "AP242")
+    assert result.exit_code == 1  # a box of negative size
     assert "box.py, line 4: " in result.stderr
     assert not (folder / "out" / "box").exists()
-    result = ifs_cad("build", "box.py", "--set", "size=2", "-o", "out", "--schema", "AP242")
-    assert result.returncode == 0, result.stderr
+    result = invoked("build", "box.py", "--set", "size=2", "-o", "out", "--schema", "AP242")
+    assert result.exit_code == 0, result.stderr
     assert result.stderr == ""
     written = Path("out/box/box.step")
     said = [re.sub(r"[\d.]+", "#", line) for line in result.stdout.splitlines()]
@@ -247,8 +254,8 @@ def test_build_says_where_it_is_and_what_it_wrote(folder):
 
 def test_failing_script_is_a_message_and_no_file(folder):
     (folder / "thin.py").write_text("import warnings\nwarnings.warn('beware')\n1 / 0\n")
-    result = ifs_cad("build", "thin.py")
-    assert result.returncode == 1
+    result = invoked("build", "thin.py")
+    assert result.exit_code == 1
     assert result.stderr == (
         "Error: thin.py, line 3: ZeroDivisionError: division by zero\n    1 / 0\n"
     )
