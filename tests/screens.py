@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -69,7 +68,7 @@ def running_viewer(home: Path) -> Iterator[int]:
             _wait_until_served(viewer_page(port), server)
             yield port
         finally:
-            server.send_signal(signal.SIGINT if os.name == "posix" else signal.SIGTERM)
+            server.terminate()
             server.wait(timeout=30)
 
 
