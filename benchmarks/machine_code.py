@@ -15,7 +15,7 @@ from ifs_cad.fabrication.machining.router import read_router
 from ifs_cad.fabrication.machining.setup import Setup, set_up
 from ifs_cad.fabrication.machining.toolpath import toolpaths
 from ifs_cad.fabrication.machining.verify import verify
-from ifs_cad.fabrication.stock import read_stock
+from ifs_cad.fabrication.stock_file import read_stock
 
 SECONDS = 10.0
 """That the programs of 256 panels may take."""

@@ -15,7 +15,8 @@ from table import Line
 import ifs_cad as ifs
 from ifs_cad.fabrication.nesting.envelope import clearance_reach
 from ifs_cad.fabrication.nesting.nest import nest
-from ifs_cad.fabrication.stock import Sheet, read_stock
+from ifs_cad.fabrication.stock import Sheet
+from ifs_cad.fabrication.stock_file import read_stock
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.kernel.source import run_script
 

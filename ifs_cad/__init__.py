@@ -68,7 +68,8 @@ if TYPE_CHECKING:
     from ifs_cad.fabrication.operations import workpieces
     from ifs_cad.fabrication.planklist import plank_list
     from ifs_cad.fabrication.saw import saw_list, square_workpieces
-    from ifs_cad.fabrication.stock import Board, Sheet, Stock, read_stock
+    from ifs_cad.fabrication.stock import Board, Sheet, Stock
+    from ifs_cad.fabrication.stock_file import read_stock
     from ifs_cad.kernel.assembly import to_assembly
     from ifs_cad.kernel.drawn import mesh_to_faces, to_dots, to_faces, to_wire, to_wires
     from ifs_cad.kernel.instance import place_germ
@@ -293,7 +294,7 @@ _HOMES = {
     "presets": "design_file",
     "read_design": "design_file",
     "read_mesh": "design.meshfile",
-    "read_stock": "fabrication.stock",
+    "read_stock": "fabrication.stock_file",
     "render": "view.render",
     "render_deformed": "view.deformed",
     "saw_list": "fabrication.saw",

@@ -20,7 +20,7 @@ PACKAGE = Path(ifs_cad.__file__).parent
 
 # A room imports only from itself and from rooms in lines above.
 ROOMS = [
-    {"errors", "files", "libraries", "progress", "tolerance", "types", "vectors"},
+    {"errors", "files", "libraries", "progress", "tolerance", "toml", "types", "vectors"},
     {"design"},
     {"elements"},
     {"design_file", "design_record", "design_script", "design_text"},

@@ -8,7 +8,8 @@ import pytest
 
 from ifs_cad.elements.material import SPRUCE, SPRUCE_PLYWOOD
 from ifs_cad.errors import InputError
-from ifs_cad.fabrication.stock import Board, Sheet, Stock, read_stock
+from ifs_cad.fabrication.stock import Board, Sheet, Stock
+from ifs_cad.fabrication.stock_file import read_stock
 
 LARCH = """
 [materials.larch]
@@ -180,79 +181,100 @@ def test_own_material_takes_the_place_of_one_of_the_library(file):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("x = 1", "own.toml: unknown key 'x'. Known are extend, materials, sheets, boards."),
-        ("extend = 1", "own.toml: extend must be true or false, got 1."),
+        (
+            "x = 1",
+            "own.toml, line 1: unknown key 'x'. Known are extend, materials, sheets, boards.",
+        ),
+        ("extend = 1", "own.toml, line 1: extend must be true or false, got 1."),
         ("a = ", "own.toml is not TOML: "),
-        ("sheets = 3", "own.toml: sheets must be a list of tables: write [[sheets]]."),
-        ("boards = [3]", "own.toml: [[boards]] entry 1 must be a table of keys and values, got 3."),
-        ("materials = 3", "own.toml: materials must be a table of keys and values, got 3."),
+        (
+            "sheets = 3",
+            "own.toml, line 1: sheets must be a list of tables: write [[sheets]] before",
+        ),
+        (
+            "boards = [3]",
+            "own.toml, line 1: [[boards]] entry 1: must be a table of keys and values, got 3.",
+        ),
+        (
+            "materials = 3",
+            "own.toml, line 1: [materials]: must be a table of keys and values, got 3.",
+        ),
         (
             LARCH.replace("density", "weight"),
-            "own.toml: [materials.\"larch\"]: unknown key 'weight'. Known are density, colour.",
+            "own.toml, line 3: [materials.larch]: unknown key 'weight'. Known are density, colour.",
         ),
         (
             "[materials.larch]\ncolour = [0, 0, 1]",
-            'own.toml: [materials."larch"]: density missing. Add density = ...',
+            "own.toml, line 1: [materials.larch]: density missing. Add density = ...",
         ),
         (
             LARCH.replace("590", '"590"'),
-            "own.toml: [materials.\"larch\"]: density must be a number, got '590'.",
+            "own.toml, line 3: [materials.larch]: density must be a number, got '590'.",
         ),
         (
             LARCH.replace("590", "-1"),
-            'own.toml: [materials."larch"]: Density of larch must be positive, got -1.0.',
+            "own.toml, line 3: [materials.larch]: Density of larch must be positive, got -1.0.",
         ),
         (
             LARCH.replace("0.4]", "1.4]"),
-            'own.toml: [materials."larch"]: Colour of larch must be three numbers from 0 to 1.',
+            "own.toml, line 4: [materials.larch]: Colour of larch must be three numbers from 0 ",
         ),
         (
             LARCH.replace("0.4]", '"x"]'),
-            'own.toml: [materials."larch"]: colour must be three numbers from 0 to 1, got '
-            "[0.8, 0.6, 'x'].",
+            "own.toml, line 4: [materials.larch]: colour entry 3 must be a number, got 'x'.",
         ),
         (
             SHEET,
-            "own.toml: [[sheets]] entry 1 (larch 12): unknown material 'larch'. Known are "
+            "own.toml, line 7: [[sheets]] entry 1 (larch 12): unknown material 'larch'. Known are "
             "'spruce plywood', 'spruce', 'birch plywood'; or add a table [materials.\"larch\"].",
         ),
         (
             LARCH + SHEET + SHEET.replace("larch 12", "other") + "fiber = 1",
-            "own.toml: [[sheets]] entry 2 (other): unknown key 'fiber'. Known are name, length, "
-            "width, thickness, material, price, count, fibre, good_faces.",
+            "own.toml, line 19: [[sheets]] entry 2 (other): unknown key 'fiber'. Known are name, "
+            "length, width, thickness, material, price, count, fibre, good_faces.",
         ),
         (
             BOARD + "fibre = 'length'",
-            "own.toml: [[boards]] entry 1 (yard): unknown key 'fibre'.",
+            "own.toml, line 8: [[boards]] entry 1 (yard): unknown key 'fibre'.",
         ),
         (
             BOARD.replace("width = 150\n", "").replace("length = 4200\n", ""),
-            "own.toml: [[boards]] entry 1 (yard): length, width missing. Add length = ...",
+            "own.toml, line 2: [[boards]] entry 1 (yard): length, width missing. Add length = ...",
         ),
         (
             BOARD.replace('name = "yard"', ""),
-            "own.toml: [[boards]] entry 1: name missing. Add name = ...",
+            "own.toml, line 2: [[boards]] entry 1: name missing. Add name = ...",
         ),
         (
             BOARD.replace('"yard"', "7"),
-            "own.toml: [[boards]] entry 1: name must be a text in quotes, got 7.",
+            "own.toml, line 3: [[boards]] entry 1: name must be a text in quotes, got 7.",
         ),
         (
             BOARD.replace("4200", "nan"),
-            "own.toml: [[boards]] entry 1 (yard): Board yard: length must be a positive number",
+            "own.toml, line 4: [[boards]] entry 1 (yard): length must be a finite number, got nan.",
+        ),
+        (
+            BOARD.replace("4200", "0"),
+            "own.toml, line 4: [[boards]] entry 1 (yard): Board yard: length must be a positive",
+        ),
+        (
+            LARCH.replace("[0.8, 0.6, 0.4]", "[0.8, 0.6]"),
+            "own.toml, line 4: [materials.larch]: colour must be three numbers from 0 to 1, got "
+            "[0.8, 0.6].",
         ),
         (
             BOARD + "count = 2.0",
-            "own.toml: [[boards]] entry 1 (yard): count must be a whole number, got 2.0.",
+            "own.toml, line 8: [[boards]] entry 1 (yard): count must be a whole number, got 2.0.",
         ),
         (
             LARCH + SHEET + "fibre = 'across'",
-            'own.toml: [[sheets]] entry 1 (larch 12): fibre must be "length", "width" or "none", '
-            "got 'across'.",
+            'own.toml, line 12: [[sheets]] entry 1 (larch 12): fibre must be "length", '
+            '"width" or "none", got \'across\'.',
         ),
         (
             LARCH + SHEET + BOARD.replace("yard", "larch 12"),
-            "own.toml: [[boards]] entry 1 (larch 12): the name 'larch 12' is taken by ",
+            "own.toml, line 14: [[boards]] entry 1 (larch 12): the name 'larch 12' is taken by "
+            "[[sheets]] entry 1 (larch 12) on line 6. Give one of them another name.",
         ),
     ],
 )

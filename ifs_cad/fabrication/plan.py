@@ -22,7 +22,8 @@ from ifs_cad.fabrication.machining.router import read_router
 from ifs_cad.fabrication.machining.setup import Setup, set_up
 from ifs_cad.fabrication.nesting.envelope import clearance_reach
 from ifs_cad.fabrication.nesting.nest import nest
-from ifs_cad.fabrication.stock import Board, Sheet, read_stock
+from ifs_cad.fabrication.stock import Board, Sheet
+from ifs_cad.fabrication.stock_file import read_stock
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.tolerance import DEFAULT

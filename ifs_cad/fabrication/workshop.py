@@ -20,7 +20,7 @@ class Workshop:
     Parameters
     ----------
     stock : str, optional
-        A TOML file of sheets and boards beyond the common ones, see `fabrication.stock`.
+        A TOML file of sheets and boards beyond the common ones, see `fabrication.stock_file`.
     use : tuple of str
         Names of the sheets or boards to use; all that fit when empty.
     only : tuple of str

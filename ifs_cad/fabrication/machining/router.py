@@ -53,12 +53,12 @@ from pathlib import Path
 from typing import Any
 
 from ifs_cad.errors import InputError
-from ifs_cad.fabrication import entries
 from ifs_cad.fabrication.machining.machine import Clamp, Machine
 from ifs_cad.fabrication.machining.post import LINUXCNC, POSTS, USUAL, Post
-from ifs_cad.fabrication.machining.quantity import choice_of
 from ifs_cad.fabrication.machining.settings import Settings
 from ifs_cad.fabrication.machining.tool import Tool, require_unique
+from ifs_cad.toml import readers
+from ifs_cad.toml.table import Table, read_table
 
 __all__ = ["Router", "read_router"]
 
@@ -95,55 +95,57 @@ class Router:
             )
 
 
-_TOOL: entries.Readers = {
-    "number": entries.whole,
-    "name": entries.text,
-    "kind": entries.text,
-    "materials": entries.texts,
+_SPAN = readers.list_of(readers.number, "two numbers, the least and the largest", 2)
+_TEXTS = readers.list_of(readers.text, "a list of texts in quotes")
+_TOOL: readers.Readers = {
+    "number": readers.whole,
+    "name": readers.text,
+    "kind": readers.text,
+    "materials": _TEXTS,
     **dict.fromkeys(
         ["diameter", "flank", "reach", "length", "holder", "feed", "plunge", "speed", "pass_depth"],
-        entries.number,
+        readers.number,
     ),
-    "point": entries.number,
+    "point": readers.number,
 }
-_CLAMP: entries.Readers = dict.fromkeys("xyz", entries.span)
-_MACHINE: entries.Readers = {
-    "name": entries.text,
-    "rotary": entries.text,
-    **dict.fromkeys(["x", "y", "z", "tilt", "turn", "spindle"], entries.span),
-    **dict.fromkeys(["pivot", "safe_height", "spoilboard", "spoilboard_depth"], entries.number),
-    **dict.fromkeys(["feed", "rapid", "rotation", "tool_change"], entries.number),
+_CLAMP: readers.Readers = dict.fromkeys("xyz", _SPAN)
+_MACHINE: readers.Readers = {
+    "name": readers.text,
+    "rotary": readers.text,
+    **dict.fromkeys(["x", "y", "z", "tilt", "turn", "spindle"], _SPAN),
+    **dict.fromkeys(["pivot", "safe_height", "spoilboard", "spoilboard_depth"], readers.number),
+    **dict.fromkeys(["feed", "rapid", "rotation", "tool_change"], readers.number),
 }
-_POST: entries.Readers = {
-    "like": entries.text,
-    "name": entries.text,
-    "tilt_sign": entries.whole,
-    "turn_sign": entries.whole,
-    "tool_centre_point": entries.flag,
-    "tool_offset": entries.text,
-    "feed_mode": entries.text,
-    "cycles": entries.flag,
-    "decimals": entries.whole,
-    "angle_decimals": entries.whole,
-    "header": entries.texts,
-    "footer": entries.texts,
-    "remarks": entries.texts,
-    "line_numbers": entries.whole,
-    "comments": entries.flag,
+_POST: readers.Readers = {
+    "like": readers.one_of(*POSTS),
+    "name": readers.text,
+    "tilt_sign": readers.whole,
+    "turn_sign": readers.whole,
+    "tool_centre_point": readers.flag,
+    "tool_offset": readers.text,
+    "feed_mode": readers.text,
+    "cycles": readers.flag,
+    "decimals": readers.whole,
+    "angle_decimals": readers.whole,
+    "header": _TEXTS,
+    "footer": _TEXTS,
+    "remarks": _TEXTS,
+    "line_numbers": readers.whole,
+    "comments": readers.flag,
 }
-_SETTINGS: entries.Readers = {
-    "hold": entries.text,
-    "direction": entries.text,
-    "contour_tool": entries.whole,
+_SETTINGS: readers.Readers = {
+    "hold": readers.text,
+    "direction": readers.text,
+    "contour_tool": readers.whole,
     **dict.fromkeys(
         ["tab_length", "tab_height", "tab_spacing", "tab_landing", "skin", "breakthrough"],
-        entries.number,
+        readers.number,
     ),
     **dict.fromkeys(
-        ["drill_breakthrough", "lead", "clearance", "pass_depth", "stroke_depth"], entries.number
+        ["drill_breakthrough", "lead", "clearance", "pass_depth", "stroke_depth"], readers.number
     ),
 }
-_TABLES = ("extend", "tools", "machine", "post", "settings")
+_TABLES = ("tools", "machine", "post", "settings")
 
 
 def read_router(path: str | Path | None = None) -> Router:
@@ -163,73 +165,60 @@ def read_router(path: str | Path | None = None) -> Router:
     ------
     InputError
         The file cannot be read, is not TOML, or has an entry that cannot be meant; the message
-        names the file, the entry and the key.
+        names the file, the line, the entry and the key.
     """
-    library = entries.parsed(
-        files("ifs_cad.fabrication.machining").joinpath("tools.toml"), "tools.toml"
-    )
-    sources = [("tools.toml", library)]
+    library = files("ifs_cad.fabrication.machining").joinpath("tools.toml")
+    sources = [read_table(library, "tools.toml")]
     if path is not None:
-        sources.append((str(path), entries.parsed(Path(path), str(path))))
+        sources.append(read_table(Path(path), str(path)))
     tools: dict[int, Tool] = {}
     machine: dict[str, Any] = {}
     post: Post | None = None
     settings: dict[str, Any] = {}
-    for name, tables in sources:
-        entries.values(tables, dict.fromkeys(_TABLES, _any) | {"extend": entries.flag}, name)
-        if not tables.get("extend", True):
+    for file in sources:
+        given = file.values({"extend": readers.flag}, _TABLES)
+        if not given.get("extend", True):
             tools.clear()
-        tools |= _tools(tables.get("tools", []), name)
-        machine |= _machine(tables.get("machine", {}), name)
-        made: Machine = entries.made(Machine, machine, f"{name}: [machine]")
-        if "post" in tables:
-            post = _post(tables["post"], made, f"{name}: [post]")
-        where = f"{name}: [settings]"
-        settings |= entries.values(tables.get("settings", {}), _SETTINGS, where)
-        entries.made(Settings, settings, where)  # refuses what cannot be meant, here
+        tools |= _tools(file)
+        table = file.table("machine")
+        machine |= _machine(table)
+        made = table.made(Machine, machine)
+        if "post" in file:
+            post = _post(file.table("post"), made)
+        table = file.table("settings")
+        settings |= table.values(_SETTINGS)
+        table.made(Settings, settings)  # refuses what cannot be meant, here
     magazine = tuple(tools[number] for number in sorted(tools))
-    return Router(made, magazine, post or USUAL[made.rotary], settings)
+    with sources[-1].table("post").refusals():
+        return Router(made, magazine, post or USUAL[made.rotary], settings)
 
 
-def _tools(rows: Any, name: str) -> dict[int, Tool]:
+def _tools(file: Table) -> dict[int, Tool]:
     """Return the tools of one file by their numbers."""
     tools: dict[int, Tool] = {}
-    for where, row in entries.tables(rows, f"{name}: [[tools]]"):
-        tool = entries.made(Tool, entries.values(row, _TOOL, where), where)
-        if tool.number in tools:
-            raise InputError(
-                f"{where}: the number {tool.number} is taken by {tools[tool.number].name!r}. Give "
-                "one of them another number."
-            )
+    places: dict[int, Table] = {}
+    for table in file.rows("tools"):
+        tool = table.made(Tool, table.values(_TOOL))
+        first = places.setdefault(tool.number, table)
+        if first is not table:
+            raise table.taken("number", first)
         tools[tool.number] = tool
     return tools
 
 
-def _machine(table: Any, name: str) -> dict[str, Any]:
+def _machine(table: Table) -> dict[str, Any]:
     """Return what one file says of the machine."""
-    where = f"{name}: [machine]"
-    given = entries.values(table, {**_MACHINE, "clamps": _any}, where)
-    if "clamps" in given:
-        given["clamps"] = tuple(
-            entries.made(Clamp, entries.values(row, _CLAMP, place), place)
-            for place, row in entries.tables(given["clamps"], f"{name}: [[machine.clamps]]")
-        )
+    given = table.values(_MACHINE, ("clamps",))
+    if "clamps" in table:
+        given["clamps"] = tuple(row.made(Clamp, row.values(_CLAMP)) for row in table.rows("clamps"))
     return given
 
 
-def _post(table: Any, machine: Machine, where: str) -> Post:
+def _post(table: Table, machine: Machine) -> Post:
     """Return the post that a file describes."""
-    given = entries.values(table, _POST, where)
+    given = table.values(_POST)
     name = given.pop("like", None)
-    if name is not None and name not in POSTS:
-        raise InputError(f"{where}: like must be {choice_of(POSTS)}, got {name!r}.")
     post = USUAL[machine.rotary] if name is None else POSTS[name]
     signs = {key: given.pop(key) for key in ("tilt_sign", "turn_sign") if key in given}
-    try:
+    with table.refusals():
         return replace(post, head=replace(post.head, **signs), **given)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from error
-
-
-def _any(value: Any) -> Any:
-    return value
