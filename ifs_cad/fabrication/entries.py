@@ -75,6 +75,13 @@ def span(value: Any) -> tuple[float, float]:
     return number(value[0]), number(value[1])
 
 
+def place(value: Any) -> tuple[float, float]:
+    """Read x and y."""
+    if not isinstance(value, list) or len(value) != 2:
+        raise TypeError("two numbers, x and y")
+    return number(value[0]), number(value[1])
+
+
 def texts(value: Any) -> tuple[str, ...]:
     """Read a list of texts."""
     if not (isinstance(value, list) and all(isinstance(item, str) for item in value)):

@@ -24,6 +24,9 @@ the same form adds to them:
     [machine]                           # what is left out is as in the library
     rotary = "AC"                       # or "BC"; "none" for a machine of three axes
     safe_height = 60
+    park = [-300, 1800]                 # where the head waits while a person acts, x and y, mm
+    tool_change = 120                   # that one takes, seconds
+    change_by_hand = true               # the head is parked for it
 
     [[machine.clamps]]
     x = [0, 60]
@@ -113,6 +116,8 @@ _MACHINE: entries.Readers = {
     **dict.fromkeys(["x", "y", "z", "tilt", "turn", "spindle"], entries.span),
     **dict.fromkeys(["pivot", "safe_height", "spoilboard", "spoilboard_depth"], entries.number),
     **dict.fromkeys(["feed", "rapid", "rotation", "tool_change"], entries.number),
+    "change_by_hand": entries.flag,
+    "park": entries.place,
 }
 _POST: entries.Readers = {
     "like": entries.text,
