@@ -28,6 +28,7 @@ DRILL, ENGRAVER, MILL = 5, 8, 12
 SETTINGS = Settings(hold="none")
 STOCK = Sheet("spruce", 800.0, 500.0, THICKNESS, SPRUCE_PLYWOOD)
 CLAMP = Clamp((0.0, 60.0), (440.0, 500.0), (0.0, 45.0))
+PARK = (-150.0, 250.0)
 
 
 def workpiece(address: str, bottom: np.ndarray, inclinations: list[float]) -> Workpiece:
@@ -96,7 +97,7 @@ def tools() -> tuple[Tool, ...]:
 
 @cache
 def machine() -> Machine:
-    return replace(read_router().machine, rotary="BC", clamps=(CLAMP,))
+    return replace(read_router().machine, rotary="BC", clamps=(CLAMP,), park=PARK)
 
 
 class Writer:
@@ -146,6 +147,10 @@ def program() -> str:
         for x, y in placement(piece.drills[0].points):
             write(f"G81 X{x:.5f} Y{y:.5f} Z{bottom:.5f} R{THICKNESS + 5:g} F{tool.plunge:g}")
         write("G80")
+    write(f"G0 Z{SAFE:g}")
+    write("M5")
+    write(f"G0 X{PARK[0]:g} Y{PARK[1]:g}")
+    write("M0")
     tool = begin("engrave", ENGRAVER)
     for piece, placement in placed:
         write(f"(ADDRESS {piece.address})")
@@ -252,6 +257,14 @@ def without(*numbers: int) -> str:
     return "\n".join(lines) + "\n"
 
 
+def moved(line: int, to: int) -> str:
+    """Return the program with one line standing before another."""
+    lines = program().splitlines()
+    taken = lines.pop(line - 1)
+    lines.insert(to - 1 - (to > line), taken)
+    return "\n".join(lines) + "\n"
+
+
 def everywhere(pattern: str, by: str, after: int = 0) -> str:
     lines = program().splitlines()
     return (
@@ -291,7 +304,12 @@ def broken_programs() -> list[Broken]:
         replace(tool, flank=9.0, reach=9.0) if tool.number == MILL else tool for tool in tools()
     )
     narrow = replace(machine(), tilt=(-15.0, 15.0))
-    tight = replace(machine(), x=(0.0, 500.0))
+    tight = replace(machine(), x=(0.0, 500.0), park=None)
+    by_hand = replace(machine(), change_by_hand=True)
+    stop = found("^M0")
+    parking, standing = stop - 1, stop - 2
+    second = found(r"ADDRESS 0212")  # pierced after 0211
+    engraved = found("T12")
     wide = replace(machine(), clamps=(Clamp((150.0, 200.0), (40.0, 58.0), (0.0, 30.0)),))
     upright = found(r"G0 B0\.0", after=contours) + 3
     axis = found(r"G0 B20\.25")
@@ -390,6 +408,60 @@ def broken_programs() -> list[Broken]:
             changed(cut, r"X[-\d.]+ Y[-\d.]+", "X470 Y160"),
             cut,
             "0212: The tool cuts",
+        ),
+        Broken(
+            "stop for the screws deleted",
+            without(stop),
+            cut,
+            r"0211: The contour of 0211 \(and of 1 more\) is cut before .*: M0 is missing",
+        ),
+        Broken(
+            "stop for the screws before anything is pierced",
+            moved(stop, found("STEP pierce")),
+            cut,
+            "M0 is missing after the holes",
+        ),
+        Broken(
+            "stop for the screws before all is pierced",
+            moved(stop, second),
+            second,
+            rf"0212: M0 comes before the holes of 0212 are pierced, in line {far + 1}",
+        ),
+        Broken(
+            "stop for the screws after the first outline",
+            moved(stop, out + 1),
+            cut - 1,
+            rf"contour of 0211 is cut before .*: M0 comes only in line {out}",
+        ),
+        Broken(
+            "optional stop for the screws",
+            changed(stop, "M0", "M1"),
+            cut,
+            rf"M1, in line {stop}, stops only where a switch is on",
+        ),
+        Broken("spindle turns at a stop", without(standing), stop, "M0 while the spindle turns"),
+        Broken(
+            "spindle started before a stop",
+            changed(parking, "^", "M3 "),
+            stop,
+            "M0 while the spindle turns",
+        ),
+        Broken("not parked at a stop", without(parking), stop, "M0 with the head at .* not parked"),
+        Broken(
+            "parked elsewhere at a stop",
+            changed(parking, "X-150", "X-140"),
+            stop,
+            r"head at \(-140\.0, 250\.0\): it is not parked, at \(-150, 250\)",
+        ),
+        Broken("low at a stop", changed(parking, "$", " Z40"), stop, r"M0 at a height of 40\.000"),
+        Broken("tool leans at a stop", changed(parking, "$", " B20"), stop, r"tool leans by 20\.0"),
+        Broken("tool changed by hand over the sheet", program(), engraved, "by hand with", by_hand),
+        Broken(
+            "tool changed by hand while it turns",
+            program(),
+            engraved,
+            "M6 by hand while the spindle turns",
+            by_hand,
         ),
         Broken(
             "cut in the waste",

@@ -41,10 +41,22 @@ class Motion:
 
 
 @dataclass
+class Wait:
+    """Where a person acts: a stop of the program, or a change of the tool."""
+
+    name: str  # "PROGRAM_STOP", "CHANGE_TOOL"
+    place: np.ndarray
+    head: np.ndarray  # A, B, C
+    spindle: bool
+    step: str
+
+
+@dataclass
 class Outcome:
     accepted: bool
     errors: str
     motions: list[Motion] = field(default_factory=list)
+    waits: list[Wait] = field(default_factory=list)
     ended: bool = False
 
 
@@ -80,6 +92,8 @@ def _read(output: str, outcome: Outcome) -> None:
         if not match:
             continue
         name, words = match.groups()
+        if name in ("PROGRAM_STOP", "CHANGE_TOOL"):
+            outcome.waits.append(Wait(name, here, head, spindle, step))
         if name == "COMMENT":
             word = words.strip('"')
             if word.startswith("STEP "):

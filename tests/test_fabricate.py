@@ -193,11 +193,16 @@ def test_every_program_makes_what_was_designed(shell_folder):
 def test_page_tells_what_holds_the_pieces_and_how_long_the_machine_runs(shell_folder):
     page = (shell_folder / "index.html").read_text(encoding="utf-8")
     assert "programs/sheet-01.ngc" in page
-    times = re.findall(r'<td class="number">(\d+):(\d\d)</td>', page)
+    times = re.findall(
+        r'<td class="number">(\d+):(\d\d)</td><td class="number">3</td><td class="number">1</td>',
+        page,
+    )
     total = re.search(r"<dt>machining</dt><dd>(\d+):(\d\d) h</dd>", page)
     assert len(times) == len(list((shell_folder / "programs").glob("*.ngc")))
     minutes = sum(60 * int(hours) + int(rest) for hours, rest in times)
     assert 60 * int(total[1]) + int(total[2]) == pytest.approx(minutes, abs=len(times))
+    assert f"<dt>tool changes</dt><dd>{3 * len(times)}</dd>" in page
+    assert f"<dt>stops for a person</dt><dd>{len(times)}, not in the time</dd>" in page
 
 
 def test_verify_tells_line_and_fault_of_a_program_that_was_changed(shell_folder, tmp_path):
@@ -324,7 +329,7 @@ def test_side_that_the_head_cannot_reach_is_an_error_with_its_angle(shell_script
     assert not (tmp_path / "dome").exists()
 
 
-def test_run_that_dies_leaves_the_former_folder_whole(shell_script, tmp_path):
+def test_run_that_dies_leaves_the_former_folder_whole(shell_script, tmp_path, own_worker):
     folder = fabricate(shell_script, out=tmp_path).folder
     with pytest.raises(module.WorkerError, match=r"Nothing in .* was changed"):
         fabricate(shell_script, out=tmp_path, settings={"die": True})

@@ -20,7 +20,7 @@ from rs274 import axis_of, needs_rs274, run
 from ifs_cad.elements.arcs import Segments
 from ifs_cad.errors import ExportError, InputError, MachineError
 from ifs_cad.export.gcode import export_gcode, gcode
-from ifs_cad.fabrication.machining.motion import machining_time
+from ifs_cad.fabrication.machining.machine_time import machining_time
 from ifs_cad.fabrication.machining.orientation import RotaryHead
 from ifs_cad.fabrication.machining.post import FANUC, LINUXCNC, Post
 from ifs_cad.fabrication.machining.settings import Settings
@@ -279,6 +279,92 @@ def test_without_control_of_the_tip_the_axes_carry_it_to_the_same_places(tmp_pat
             assert re.fullmatch(r"G0( B\S+)?( C\S+)?", line)
 
 
+@pytest.mark.parametrize("place", [0, -1])
+def test_program_without_control_of_the_tip_is_verified(place):
+    pieces, sheets = prototype()
+    post = replace(LINUXCNC, tool_centre_point=False)
+    text = gcode(toolpaths(sheets[place], pieces, TOOLS, MACHINE), post)
+    found = verify(
+        text,
+        sheets[place],
+        pieces,
+        TOOLS,
+        MACHINE,
+        convention=post.convention(MACHINE),
+        linuxcnc=False,
+        simulate=False,
+    )
+    assert found.ok, str(found)
+
+
+def waits_of(machine, settings, folder, post=LINUXCNC):
+    """Return the program, and where LinuxCNC waits for a person in it."""
+    pieces, sheets = prototype()
+    program = toolpaths(sheets[-1], pieces, TOOLS, machine, settings)
+    text = gcode(program, post)
+    found = verify(
+        text,
+        sheets[-1],
+        pieces,
+        TOOLS,
+        machine,
+        settings=settings,
+        convention=post.convention(machine),
+        linuxcnc=False,
+        simulate=False,
+    )
+    assert found.ok, str(found)
+    outcome = run(text, TOOLS, folder)
+    assert outcome.accepted, outcome.errors
+    return program, found, outcome
+
+
+@needs_rs274
+@pytest.mark.parametrize("tip", [True, False])
+@pytest.mark.parametrize("park", [None, (-420.0, 1310.5)])
+def test_head_is_parked_with_a_still_spindle_before_the_pieces_are_screwed_down(
+    park, tip, tmp_path
+):
+    machine, post = replace(MACHINE, park=park), replace(LINUXCNC, tool_centre_point=tip)
+    program, found, outcome = waits_of(machine, Settings(hold="none"), tmp_path, post)
+    stops = [wait for wait in outcome.waits if wait.name == "PROGRAM_STOP"]
+    (stop,) = stops
+    x, y = park or (-300.0, -300.0)
+    # the length is not in force any more, so LinuxCNC tells the height of the gauge line
+    drill = program.steps[0].tool
+    np.testing.assert_allclose(stop.place, [x, y, program.safe], atol=NEAR)
+    assert not stop.head.any()
+    assert not stop.spindle
+    assert (stop.step, drill.kind) == ("pierce", "drill")
+    # it starts anew before it cuts, and ends aside too, where the pieces are taken off
+    after = [m for m in outcome.motions if m.step == "engrave" and m.kind != "rapid"]
+    assert all(motion.spindle for motion in after)
+    np.testing.assert_allclose(outcome.motions[-1].end, [x, y, program.safe], atol=NEAR)
+    assert (found.tool_changes, found.stops) == (3, 1)
+
+
+@needs_rs274
+def test_pieces_that_bridges_hold_need_no_stop(tmp_path):
+    _, found, outcome = waits_of(MACHINE, Settings(), tmp_path)
+    assert [wait.name for wait in outcome.waits] == 3 * ["CHANGE_TOOL"]
+    assert (found.tool_changes, found.stops) == (3, 0)
+    over = [wait.place for wait in outcome.waits[1:]]
+    assert all(place[0] > 0.0 for place in over)  # a magazine changes where it likes
+
+
+@needs_rs274
+def test_head_is_parked_for_tools_that_a_person_changes(tmp_path):
+    machine = replace(MACHINE, change_by_hand=True)
+    program, _, outcome = waits_of(machine, Settings(), tmp_path)
+    first, *others = [wait for wait in outcome.waits if wait.name == "CHANGE_TOOL"]
+    assert np.isnan(first.place).all()  # where it was left before the program
+    assert len(others) == 2
+    for wait in others:
+        np.testing.assert_allclose(wait.place, [-300.0, -300.0, program.safe], atol=NEAR)
+        assert not wait.head.any()
+        assert not wait.spindle
+
+
 @needs_rs274
 def test_inverse_time_feeds_are_accepted_and_take_as_long(tmp_path):
     _, _, program = a_program()
@@ -357,7 +443,9 @@ def test_edges_of_one_pass_are_one_line_each():
 
 def test_time_is_that_of_the_moves():
     _, _, program = a_program(Settings(hold="none"))
-    seconds = machining_time(program)
+    time = machining_time(program)
+    seconds = time.seconds
+    assert (time.tool_changes, time.stops) == (3, 1)
     by_hand = 0.0
     for step in program.steps:
         moves = step.moves
@@ -372,8 +460,14 @@ def test_time_is_that_of_the_moves():
     rapid = seconds - by_hand
     assert 5 < rapid < 30
     faster = replace(MACHINE, rapid=2 * MACHINE.rapid, rotation=2 * MACHINE.rotation)
-    assert machining_time(program, faster) == pytest.approx(by_hand + rapid / 2, rel=1e-9)
-    hours, minutes, rest = re.search(r"\(TIME (\d+):(\d+):(\d+)\)", gcode(program)).groups()
+    half = machining_time(program, faster).seconds
+    assert half == pytest.approx(by_hand + rapid / 2, rel=1e-9)
+    slower = replace(MACHINE, tool_change=MACHINE.tool_change + 100.0)
+    assert machining_time(program, slower).seconds == pytest.approx(seconds + 300.0, rel=1e-9)
+    hours, minutes, rest = re.search(
+        r"\(TIME (\d+):(\d+):(\d+) WITH 3 TOOL CHANGES AND 1 STOP FOR A PERSON, NOT TIMED\)",
+        gcode(program),
+    ).groups()
     written = int(hours) * 3600 + int(minutes) * 60 + int(rest)
     assert written == pytest.approx(seconds, abs=0.51)
 

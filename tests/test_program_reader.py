@@ -105,6 +105,7 @@ def test_inverse_time_gives_the_feed_along_the_path():
         ("G80 X5", "without a motion"),
         ("T1.5", "whole number"),
         ("G4", "P is missing"),
+        ("G4 P-1", "cannot wait for -1 seconds"),
         ("M98 P1", "M98 is not known"),
         ("I5", "no meaning"),
     ],
@@ -118,6 +119,20 @@ def test_words_after_the_end_and_a_missing_end_are_faults():
     assert (fault.line, "after the end" in fault.message) == (3, True)
     (fault,) = read_program("G21 G90\nG0 Z5\n").faults
     assert (fault.line, "does not end" in fault.message) == (2, True)
+
+
+def test_stops_know_how_the_machine_stands_when_they_take_effect():
+    read = read_program(HEAD + "M5 G0 X30 Y40 M0\nM3 T4 M6 M1\nG4 P2.5\nG4 P0.5\n" + END)
+    _, standing, stop, change, optional = read.stops
+    # spindle and motion come before a stop in their line, a change of tool before both
+    assert [one.code for one in (standing, stop, change, optional)] == ["M5", "M0", "M6", "M1"]
+    assert (standing.position, standing.speed) == ((10.0, 20.0, 50.0), 9000.0)
+    assert (stop.position, stop.angles[1:], stop.speed) == ((30.0, 40.0, 50.0), (0.0, 0.0), 0.0)
+    assert (change.tool, change.speed, optional.tool, optional.speed) == (3, 0.0, 4, 9000.0)
+    assert stop.before == standing.before + 1 == len(read.motions)
+    assert [one.code for one in read.waits] == ["M0", "M1"]
+    assert [one.line for one in read.changes] == [2, 8]
+    assert read.dwell == 3.0
 
 
 def test_comments_name_workpieces():

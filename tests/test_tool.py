@@ -92,6 +92,12 @@ def test_tool_without_materials_cuts_all():
         ({"safe_height": 0.0}, "safe_height must be positive"),
         ({"rapid": math.nan}, "rapid must be positive"),
         ({"pivot": -1.0}, "pivot must be 0 or more"),
+        (
+            {"park": (-800.0, 0.0)},
+            r"park must be within the travel; its x is -800 mm, and x travels",
+        ),
+        ({"park": (0.0, 2401.0)}, r"its y is 2401 mm, and y travels from -700 to 2400 mm"),
+        ({"park": (0.0, math.nan)}, "park must be within the travel; its y is nan mm"),
         ({"spoilboard_depth": 19.0}, "spoilboard_depth 19 mm exceeds the spoilboard of 18 mm"),
         ({"tilt": (10.0, 60.0)}, "tilt must have 0 in its range"),
         ({"turn": (0.0, 170.0)}, "turn must range over 180 degrees"),
@@ -106,6 +112,24 @@ def test_machine_that_cannot_be_meant_is_an_error(values, message):
 def test_largest_tilt_is_that_of_the_wider_side():
     assert replace(LIBRARY.machine, tilt=(-10.0, 95.0)).largest_tilt == 95.0
     assert replace(LIBRARY.machine, tilt=(-110.0, 95.0)).largest_tilt == 110.0
+
+
+@pytest.mark.parametrize(
+    ("values", "place"),
+    [
+        ({}, (-300.0, -300.0)),
+        ({"park": (12.0, 34.0)}, (12.0, 34.0)),
+        ({"x": (-100.0, 4000.0)}, (2800.0, -300.0)),  # to the right there is more room
+        ({"x": (0.0, 2500.0), "y": (0.0, 1450.0)}, (25.0, 1425.0)),
+        ({"x": (0.0, 2500.0), "y": (0.0, 1250.0)}, (25.0, 25.0)),  # nowhere beside it
+    ],
+)
+def test_head_is_parked_where_it_is_said_or_beside_the_sheet(values, place):
+    machine = replace(LIBRARY.machine, **values)
+    assert machine.parked(2500.0, 1250.0) == place
+    (x_low, x_high), (y_low, y_high) = machine.x, machine.y
+    assert x_low <= place[0] <= x_high
+    assert y_low <= place[1] <= y_high
 
 
 def test_clamp_without_extent_is_an_error():
@@ -148,6 +172,11 @@ def test_own_machine_changes_only_what_it_gives(file):
     clamp = Clamp((0.0, 60.0), (-40.0, 25.0), (0.0, 45.0))
     assert machine == replace(LIBRARY.machine, safe_height=60.0, clamps=(clamp,))
     assert isinstance(machine, Machine)
+    assert (machine.park, machine.change_by_hand) == (None, False)
+    text = "[machine]\npark = [-300, 1800]\ntool_change = 120\nchange_by_hand = true"
+    machine = read_router(file(text)).machine
+    assert (machine.park, machine.tool_change) == ((-300.0, 1800.0), 120.0)
+    assert machine.change_by_hand
 
 
 def test_control_is_the_usual_one_of_the_axes_unless_a_file_says_otherwise(file):
@@ -216,6 +245,9 @@ def test_machine_of_three_axes_does_not_tilt():
             r"line 2: \[machine\]: x must be two numbers, the least and the largest",
         ),
         ("[machine]\nrotary = 'XY'", r"line 2: \[machine\]: rotary must be 'AC', 'BC' or 'none'"),
+        ("[machine]\npark = 5", r"line 2: \[machine\]: park must be two numbers, x and y, got 5"),
+        ("[machine]\npark = [9000, 0]", r"line 2: .*park must be within the travel; its x is"),
+        ("[machine]\nchange_by_hand = 1", r"line 2: .*change_by_hand must be true or false, got 1"),
         ("[machine]\nlegs = 4", r"\[machine\]: unknown key 'legs'"),
         (
             "[post]\nlike = 'heidenhain'",

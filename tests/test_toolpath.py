@@ -410,6 +410,14 @@ def test_clamp_in_the_way_is_an_error():
         clamped(Clamp((0.0, 2500.0), (480.0, 490.0), (0.0, 60.0)))
 
 
+def test_clamp_where_the_head_is_parked_is_an_error():
+    high = Clamp((-310.0, -290.0), (-310.0, -290.0), (0.0, 60.0))
+    machine = replace(MACHINE, clamps=(high,))
+    with pytest.raises(MachineError, match=r"going to where the head is parked: .* or park the"):
+        cut_steepest(machine=machine)
+    assert cut_steepest(machine=replace(machine, park=(-300.0, 100.0))).steps
+
+
 def test_piece_that_is_not_convex_is_an_error():
     piece = steepest()
     side = piece.sides[0]

@@ -18,6 +18,7 @@ from broken_programs import (
     program,
     sheet,
     tools,
+    without,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,7 +26,7 @@ from scipy.spatial import ConvexHull
 
 from ifs_cad.errors import AddressError, InputError
 from ifs_cad.fabrication.layout import Layout
-from ifs_cad.fabrication.machining.convention import RIGHT_HANDED_AC
+from ifs_cad.fabrication.machining.convention import RIGHT_HANDED_AC, Convention
 from ifs_cad.fabrication.machining.job import Job, read_job, write_job
 from ifs_cad.fabrication.machining.settings import Settings
 from ifs_cad.fabrication.machining.swept import Solids, Sweeps, depths
@@ -140,6 +141,131 @@ def test_stop_or_tool_change_in_the_sheet_is_caught_at_its_line(code):
     lines.insert(cut - 1, code)
     faults = verified("\n".join(lines) + "\n", simulate=False).faults
     assert any(f.line == cut and f.message.startswith(code.split()[-1]) for f in faults)
+
+
+def test_minutes_hold_tool_changes_and_dwells_and_stops_are_counted():
+    plain = verified(program(), simulate=False)
+    assert (plain.tool_changes, plain.stops) == (3, 1)
+    slow = replace(machine(), tool_change=machine().tool_change + 60.0)
+    later = verified(program(), machine=slow, simulate=False)
+    assert later.minutes == pytest.approx(plain.minutes + 3.0)
+    waiting = verified(changed(found("^M0"), "^", "G4 P90\n"), simulate=False)
+    assert waiting.minutes == pytest.approx(plain.minutes + 1.5)
+    assert "min with 3 tool changes and 1 stop for a person, not timed" in str(plain)
+    assert plain.as_dict()["tool_changes"] == 3
+
+
+def test_stop_between_the_holes_and_the_contour_of_each_piece_is_enough():
+    """One piece after the other: pierced, screwed down, cut out."""
+    lines = program().splitlines()
+    stop = found("^M0")
+    later = [*lines[: found("STEP contour") - 1]]
+    del later[stop - 1]
+    after_engraving = [
+        *later,
+        "G0 X-150 Y250",
+        "M5",
+        "M0",
+        *lines[found("STEP contour") - 1 :],
+    ]
+    assert verified("\n".join(after_engraving) + "\n").ok
+
+
+def test_pieces_held_otherwise_need_no_stop():
+    def of_screws(settings):
+        text = without(found("^M0"))
+        faults = verified(text, settings=settings, simulate=False).faults
+        return [fault for fault in faults if "screwed" in fault.message]
+
+    assert len(of_screws(SETTINGS)) == 1
+    assert of_screws(Settings(hold="tabs")) == of_screws(Settings(hold="skin")) == []
+
+
+def test_head_may_wait_anywhere_beside_the_sheet_where_no_place_is_named():
+    anywhere = replace(machine(), park=None)
+    stop = found("^M0")
+
+    def at(x):
+        text = changed(stop - 1, "X-150", f"X{x}")
+        return [f.line for f in verified(text, machine=anywhere, simulate=False).faults]
+
+    holder = next(tool.holder for tool in tools() if tool.number == 5)
+    assert at(-holder / 2 - 0.1) == at(800 + holder / 2 + 0.1) == []
+    assert at(-holder / 2 + 0.1) == at(400) == [stop]
+
+
+# without control of the tip: from the crossing of the rotary axes to the tip of tool 12
+SWINGS = Convention(pivot=200.0)
+ARM = 200.0 + 155.0
+
+
+def turning(height, start, end, rise=0.0):
+    """Return a program whose head only turns, of the positions of its axes."""
+    lines = [
+        "G21 G90 G94", "T12 M6", "S18000 M3", "G43 H12", "G0 Z300", f"G0 X100 Y100 B{start} C0",
+        f"G0 Z{height}", f"G0 B{end}" + (f" Z{height + rise}" if rise else ""), "G0 Z300", "G0 B0",
+        "M30",
+    ]  # fmt: skip
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("height", "tilt", "lowest"),
+    [
+        (5.0, 30.0, "5.000"),  # into the sheet of 10 mm, from 52.56 to 52.56
+        (-20.0, 45.0, "-20.000"),  # into the table
+        (49.99, 30.0, "49.990"),  # below the safe height by a hair
+    ],
+)
+def test_tip_that_dips_while_the_head_turns_is_caught(height, tilt, lowest):
+    ends = height + ARM * (1.0 - math.cos(math.radians(tilt)))
+    assert ends > THICKNESS + machine().safe_height
+    text = turning(height, -tilt, tilt)
+    faults = verified(text, convention=SWINGS, simulate=False).faults
+    about = [fault for fault in faults if "swings down" in fault.message]
+    assert [fault.line for fault in about] == [8]
+    assert f"swings down to {lowest} mm while the head turns" in about[0].message
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        turning(50.0, -30, 30),  # dips to the safe height, and no further
+        turning(5.0, 30, 45),  # never upright on the way
+        turning(5.0, -30, -40, rise=20.0),
+    ],
+)
+def test_tip_that_does_not_dip_is_not(text):
+    faults = verified(text, convention=SWINGS, simulate=False).faults
+    assert not [fault for fault in faults if "turns" in fault.message], faults
+
+
+def test_control_that_keeps_the_tip_in_place_lets_the_head_turn_at_the_safe_height():
+    def of_turns(height):
+        faults = verified(turning(height, -30, 30), simulate=False).faults
+        return [fault.line for fault in faults if "turns at" in fault.message]
+
+    assert (of_turns(50.0), of_turns(49.0)) == ([], [8])
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["BC", "AC"]))
+@settings(max_examples=60, deadline=None)
+def test_lowest_tip_is_that_of_the_way_point_by_point(seed, axes):
+    random = np.random.default_rng(seed)
+    convention = Convention(axes, pivot=float(random.uniform(0.0, 300.0)))
+    length = random.uniform(50.0, 200.0)
+    heights = random.uniform(-200.0, 300.0, 2)
+    if seed % 3 == 0:
+        heights[1] = heights[0]
+    angles = random.uniform(-200.0, 200.0, (2, 3)) * (seed % 5 > 0)  # none for some
+    shares = np.linspace(0.0, 1.0, 20001)
+    along = angles[0] + shares[:, None] * (angles[1] - angles[0])
+    positions = np.zeros((len(shares), 3))
+    positions[:, 2] = heights[0] + shares * (heights[1] - heights[0])
+    tips = convention.tips(positions, convention.axis(along), np.full(len(shares), length))
+    found_ = convention.lowest(heights[None], angles[None], np.array([length]))
+    assert found_[0] <= tips[:, 2].min() + 1e-9
+    assert found_[0] == pytest.approx(tips[:, 2].min(), abs=2e-3)
 
 
 def test_three_decimals_are_as_true_as_they_can_be_and_two_are_not():

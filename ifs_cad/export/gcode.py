@@ -9,6 +9,11 @@ Comments that programs may rely on: `(SHEET name length x width x thickness)` an
 the top, `(STEP pierce|engrave|contour TOOL number Ddiameter)` at the beginning of each step and
 `(ADDRESS address)` of each piece.
 
+Before a person acts the spindle is stopped and the head brought aside, its tool upright at the safe
+height. It is parked at a place in the frame of the sheet and not by G28 or G53: where the frame
+stands in the machine is known to the control alone, and what is in the way there could not be
+checked.
+
 Source: section 4.3, figure 19 (automatic generation of the machine code).
 """
 
@@ -21,7 +26,8 @@ import numpy as np
 
 from ifs_cad.errors import MachineError
 from ifs_cad.fabrication.machining.limits import axis_positions
-from ifs_cad.fabrication.machining.motion import Cut, Drilling, Moves, Program, Step, machining_time
+from ifs_cad.fabrication.machining.machine_time import machining_time
+from ifs_cad.fabrication.machining.motion import Cut, Drilling, Moves, Program, Step
 from ifs_cad.fabrication.machining.post import LINUXCNC, Post
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.files import replaced
@@ -95,12 +101,7 @@ class _Writer:
         self._head()
         self._line(f"G21 G17 G90 {post.feed_mode} G40 G49 G80 G54 {post.path}".rstrip())
         angles = iter(self.angles.tolist())
-        before = ""
-        for step in self.program.steps:
-            if before == "pierce" != step.name and self.program.hold == "none":
-                self._comment("SCREW THE PIECES DOWN THROUGH THEIR HOLES, THEN GO ON")
-                self._line("M0")
-            before = step.name
+        for place, step in enumerate(self.program.steps):
             self._start(step)
             address = None
             for cut in step.cuts:
@@ -112,13 +113,20 @@ class _Writer:
                 self._cut(cut, step.tool, next(angles))
             self._upright()
             self._line("M5")
+            if self.program.parks_after(place):
+                self._comment("PARK")
+                self._go("G0", self.program.park)
             self._line("G49")
+            if place == self.program.screwed_after:
+                self._comment("SCREW THE PIECES DOWN THROUGH THEIR HOLES, THEN GO ON")
+                self._line("M0")
         self.lines += [line.format(number=sheet.number) for line in post.footer]
         return "\n".join(self.lines) + "\n"
 
     def _head(self) -> None:
         program, stock = self.program, self.program.sheet.stock
-        minutes, seconds = divmod(round(machining_time(program)), 60)
+        time = machining_time(program)
+        minutes, seconds = divmod(round(time.seconds), 60)
         self._comment(
             f"SHEET {program.sheet.name} {stock.length:g} x {stock.width:g} x {stock.thickness:g}"
         )
@@ -136,7 +144,8 @@ class _Writer:
                 f"TOOL {tool.number} {tool.name} D{tool.diameter:g} FLANK {tool.flank:g} "
                 f"REACH {tool.reach:g} LENGTH {tool.length:g}"
             )
-        self._comment(f"TIME {minutes // 60}:{minutes % 60:02}:{seconds:02}")
+        duration = f"{minutes // 60}:{minutes % 60:02}:{seconds:02}"
+        self._comment(f"TIME {duration} {time.interruptions.upper()}")
 
     def _start(self, step: Step) -> None:
         """Change the tool, and go up before anything else."""

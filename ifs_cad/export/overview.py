@@ -23,7 +23,7 @@ from ifs_cad.errors import ExportError, InputError
 from ifs_cad.fabrication.boards.cutting_plan import CuttingPlan
 from ifs_cad.fabrication.cutlist import CutList, Edge, Entry
 from ifs_cad.fabrication.layout import NestedSheet
-from ifs_cad.fabrication.machining.motion import hours
+from ifs_cad.fabrication.machining.machine_time import MachineTime, hours
 from ifs_cad.fabrication.plan import Plan
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.files import replaced
@@ -69,7 +69,7 @@ def export_overview(
     workshop: Workshop,
     drawings: Mapping[str, str],
     assembly: str = "",
-    times: Mapping[str, float] | None = None,
+    times: Mapping[str, MachineTime] | None = None,
     files: Iterable[str] | None = None,
 ) -> Path:
     """Write the overview of a folder.
@@ -85,7 +85,7 @@ def export_overview(
     workshop : Workshop
     drawings : SVG of each sheet or board, by its name; those it lacks are not drawn
     assembly : SVG of the order of assembly, optional
-    times : seconds that the program of each sheet takes, by its name, optional
+    times : how long the program of each sheet takes, by its name, optional
     files : paths of what to link to, relative to the page's folder, with "/" between their parts;
         by default all that the folder holds
 
@@ -133,7 +133,7 @@ def export_overview(
 
 
 def _header(
-    name: str, plan: Plan, cut_list: CutList, with_assembly: bool, times: Mapping[str, float]
+    name: str, plan: Plan, cut_list: CutList, with_assembly: bool, times: Mapping[str, MachineTime]
 ) -> str:
     entries = cut_list.entries
     stacks = sorted({(entry.thickness, entry.material) for entry in entries})
@@ -147,7 +147,10 @@ def _header(
         facts.append(("sheets", f"{len(plan.layout.sheets)}"))
         facts.append(("used of the sheets", f"{plan.layout.utilisation:.1%}"))
         if times:
-            facts.append(("machining", f"{hours(sum(times.values()))} h"))
+            total = MachineTime.total(times.values())
+            facts.append(("machining", f"{hours(total.seconds)} h"))
+            facts.append(("tool changes", f"{total.tool_changes}"))
+            facts.append(("stops for a person", f"{total.stops}, not in the time"))
     else:
         facts.append(("boards", f"{len(plan.boards.boards)}"))
         facts.append(("waste", f"{plan.boards.waste:.1%}"))
@@ -195,7 +198,7 @@ def _report(report: str) -> str:
     return _table("Report", (), rows)
 
 
-def _stock(plan: Plan, linked: Sequence[str], times: Mapping[str, float]) -> str:
+def _stock(plan: Plan, linked: Sequence[str], times: Mapping[str, MachineTime]) -> str:
     kind = plan.kind
     made: dict[str, list[str]] = {}
     for file in linked:
@@ -217,10 +220,10 @@ def _stock(plan: Plan, linked: Sequence[str], times: Mapping[str, float]) -> str
             f'<td class="number"><meter min="0" max="1" value="{sheet.utilisation:.4f}"></meter>'
             f"{sheet.utilisation:.1%}</td>"
             f"<td>{offcuts}</td>"
-            + (f'<td class="number">{hours(times[sheet.name])}</td>' if times else "")
+            + (_time(times[sheet.name]) if times else "")
             + f"<td>{links}</td></tr>"
         )
-    timed = ("time (h)#",) if times else ()
+    timed = ("time (h)#", "tool changes#", "stops#") if times else ()
     heads = (
         kind[:-1],
         "stock",
@@ -234,6 +237,13 @@ def _stock(plan: Plan, linked: Sequence[str], times: Mapping[str, float]) -> str
     return (
         f'<section id="stock"><h2>{kind.capitalize()}</h2>{_bought(plan)}'
         f"{_table(f'All {kind}', heads, rows)}</section>"
+    )
+
+
+def _time(time: MachineTime) -> str:
+    return (
+        f'<td class="number">{hours(time.seconds)}</td><td class="number">{time.tool_changes}</td>'
+        f'<td class="number">{time.stops}</td>'
     )
 
 

@@ -35,7 +35,11 @@ from ifs_cad.export.overview import export_overview
 from ifs_cad.export.step import export_sheets, export_step
 from ifs_cad.fabrication.cutlist import CutList, cut_list
 from ifs_cad.fabrication.machining.job import JOB_FILE, Job, read_job, write_job
-from ifs_cad.fabrication.machining.motion import machining_summary, machining_time
+from ifs_cad.fabrication.machining.machine_time import (
+    MachineTime,
+    machining_summary,
+    machining_time,
+)
 from ifs_cad.fabrication.machining.toolpath import toolpaths
 from ifs_cad.fabrication.machining.verify import verify_file
 from ifs_cad.fabrication.operations import workpieces
@@ -64,7 +68,7 @@ class Folder:
     pieces : by address, what is to be made of it
     plan : Plan
     list : CutList
-    times : seconds that the program of each sheet takes, by name; filled as programs are written
+    times : how long the program of each sheet takes, by name; filled as programs are written
     """
 
     path: Path
@@ -75,7 +79,7 @@ class Folder:
     pieces: Mapping[str, Workpiece]
     plan: Plan
     list: CutList
-    times: dict[str, float] = field(default_factory=dict)
+    times: dict[str, MachineTime] = field(default_factory=dict)
 
     @property
     def stock(self) -> Path:

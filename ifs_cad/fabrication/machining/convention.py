@@ -93,6 +93,37 @@ class Convention:
         upright = np.array([0.0, 0.0, 1.0])
         return np.asarray(positions + (self.pivot + lengths)[..., None] * (upright - axes))
 
+    def lowest(self, heights: FloatArray, angles: FloatArray, lengths: FloatArray) -> FloatArray:
+        """Return the (n,) least heights of the tips of tools on their ways, mm.
+
+        Where the control keeps the tip in place it moves evenly, and is lowest at an end. Else it
+        swings about a pivot that moves evenly itself, deepest below it where the tool is upright:
+        the tip may dip between two ends that are both high.
+
+        Parameters
+        ----------
+        heights : (n, 2) float, Z in the program at the start and at the end, mm
+        angles : (n, 2, 3) float, degrees, the words A, B and C; as `axis` has them
+        lengths : (n,) float, of the tools below the gauge line, mm
+        """
+        if self.pivot is None or self.axes == "none":
+            return np.asarray(heights.min(axis=1))
+        arms = self.pivot + lengths
+        start, end = np.radians(angles[..., "ABC".index(self.axes[0])]).T
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        rise = heights[:, 1] - heights[:, 0]
+        # where Z + arm (1 - cos tilt) does not change: it rises as fast as the swing goes down
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stationary = np.arcsin(np.clip(-rise / (arms * (end - start)), -1.0, 1.0))
+        around = 2.0 * np.pi * np.arange(-1.0, 2.0)
+        between = np.clip(stationary[:, None] + around, low[:, None], high[:, None])
+        tilts = np.column_stack([start, end, between])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            shares = (tilts - start[:, None]) / (end - start)[:, None]
+        shares[:, :2] = 0.0, 1.0
+        ways = heights[:, :1] + shares * rise[:, None] + arms[:, None] * (1.0 - np.cos(tilts))
+        return np.asarray(np.fmin.reduce(ways, axis=1))
+
 
 LINUXCNC = Convention()
 """The BC head of LinuxCNC: axis (-sin B cos C, -sin B sin C, cos B)."""

@@ -37,6 +37,7 @@ class Cuts:
     start_axes, end_axes : (n, 3) float, unit vectors; NaN where not yet placed
     diameters, flanks, reaches, holders, lengths, points : (n,) float, of the tools, mm, see `Tool`;
         `points` are the heights of their points; NaN for a tool that is not known
+    lowest_tips : (n,) float, heights of the tips where they are lowest on their ways, mm
     """
 
     motions: Motions
@@ -50,6 +51,7 @@ class Cuts:
     holders: FloatArray
     lengths: FloatArray
     points: FloatArray
+    lowest_tips: FloatArray
     tol: Tolerance
 
     def __len__(self) -> int:
@@ -197,5 +199,10 @@ def cuts_of(
         holders,
         lengths,
         points,
+        convention.lowest(
+            np.stack([motions.starts[:, 2], motions.ends[:, 2]], axis=1),
+            np.stack([motions.start_angles, motions.end_angles], axis=1),
+            lengths,
+        ),
         tol,
     )

@@ -8,11 +8,13 @@ Source: section 4.3 (the type of machine and the nature of the cutting tools).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ifs_cad.errors import MachineError
 from ifs_cad.fabrication.machining.machine import Clamp, Machine
-from ifs_cad.fabrication.machining.motion import VERTICAL, Moves, Program, Step
+from ifs_cad.fabrication.machining.motion import VERTICAL, Cut, Drilling, Moves, Program, Step
 from ifs_cad.fabrication.machining.tool import Tool
 from ifs_cad.tolerance import DEFAULT, Tolerance
 from ifs_cad.types import FloatArray
@@ -41,11 +43,11 @@ def require_within(program: Program, tol: Tolerance = DEFAULT) -> None:
     MachineError
         Travel, speed or feed beyond the machine's, or a clamp in the way; names the address.
     """
-    for step in program.steps:
+    for place, step in enumerate(program.steps):
         _require_speeds(step.tool, program.machine)
         _require_travel(step, program.machine, tol)
         for clamp in program.machine.clamps:
-            _require_clear(step, clamp)
+            _require_clear(step.tool, program.ways(place), clamp)
 
 
 def _require_speeds(tool: Tool, machine: Machine) -> None:
@@ -79,14 +81,13 @@ def _require_travel(step: Step, machine: Machine, tol: Tolerance) -> None:
             )
 
 
-def _require_clear(step: Step, clamp: Clamp) -> None:
+def _require_clear(tool: Tool, cuts: Sequence[Cut | Drilling], clamp: Clamp) -> None:
     """Raise MachineError where the tool or its holder comes within GRAIN of a clamp."""
     low, high = np.array([clamp.x, clamp.y, clamp.z]).T
-    tool = step.tool
     reach = np.arange(0.0, tool.length + GRAIN, GRAIN)
     radii = np.where(reach < tool.reach, tool.diameter, tool.holder) / 2.0
     last: Moves | None = None
-    for cut in step.cuts:
+    for cut in cuts:
         moves = cut.moves if last is None else Moves.joined([last, cut.moves])
         tips, axes = _points_between(moves)
         points = tips[:, None] + reach[:, None] * axes[:, None]
@@ -96,7 +97,8 @@ def _require_clear(step: Step, clamp: Clamp) -> None:
             raise MachineError(
                 f"{cut.address} {cut.note}: {tool} or its holder comes within {GRAIN:g} mm of the "
                 f"clamp at x {clamp.x[0]:g} to {clamp.x[1]:g}, y {clamp.y[0]:g} to {clamp.y[1]:g}, "
-                f"near ({x:.0f}, {y:.0f}, {z:.0f}). Move the clamp or raise the safe height.",
+                f"near ({x:.0f}, {y:.0f}, {z:.0f}). Move the clamp, raise the safe height or park "
+                "the head elsewhere.",
                 addresses=[cut.address],
             )
         last = Moves(*(part[-1:] for part in (moves.tips, moves.axes, moves.feeds, moves.bulges)))

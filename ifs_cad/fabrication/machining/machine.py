@@ -21,6 +21,14 @@ __all__ = ["Clamp", "Machine", "RotaryAxes"]
 
 RotaryAxes = Literal["AC", "BC", "none"]
 
+BESIDE = 300.0
+"""How far beside the sheet, both ways, the head waits when nothing says where, mm: room for a hand
+with a screwdriver."""
+
+INSET = 25.0
+"""How far it stays from the ends of its travel then, mm: no sheet lies to the millimetre where the
+travel is counted from."""
+
 
 @dataclass(frozen=True)
 class Clamp:
@@ -67,7 +75,11 @@ class Machine:
     feed : float, largest, mm/min
     rapid : float, speed of rapid moves, mm/min
     rotation : float, speed of the rotary axes, degrees a minute
-    tool_change : float, seconds
+    tool_change : float, that one takes, seconds
+    change_by_hand : bool, whether a person changes the tools, so that the head is parked for it
+    park : (float, float) or None
+        Where the tip waits while a person acts, at the safe height, mm, counted as x and y are; by
+        default beside a corner of the sheet, as far as the travel goes and 300 mm at most.
     clamps : tuple of Clamp
 
     Raises
@@ -92,6 +104,8 @@ class Machine:
     rapid: float
     rotation: float
     tool_change: float
+    change_by_hand: bool = False
+    park: tuple[float, float] | None = None
     clamps: tuple[Clamp, ...] = ()
 
     def __post_init__(self) -> None:
@@ -112,6 +126,12 @@ class Machine:
                 f"spoilboard_depth {self.spoilboard_depth:g} mm exceeds the spoilboard of "
                 f"{self.spoilboard:g} mm."
             )
+        for letter, span, place in zip("xy", (self.x, self.y), self.park or (), strict=False):
+            if not span[0] <= place <= span[1]:
+                raise InputError(
+                    f"park must be within the travel; its {letter} is {place:g} mm, and {letter} "
+                    f"travels from {span[0]:g} to {span[1]:g} mm."
+                )
         if not self.tilt[0] <= 0.0 <= self.tilt[1]:
             raise InputError(f"tilt must have 0 in its range, got {self.tilt}.")
         # with both signs of the tilt, half a turn reaches every direction
@@ -121,6 +141,26 @@ class Machine:
                 f"turn must range over {180 if both else 360} degrees to reach every direction, "
                 f"got {self.turn}."
             )
+
+    def parked(self, length: float, width: float) -> tuple[float, float]:
+        """Return where the head waits while a person acts, mm.
+
+        Parameters
+        ----------
+        length, width : float, of the sheet, mm
+        """
+        if self.park is not None:
+            return self.park
+
+        def aside(place: tuple[float, float]) -> float:
+            x, y = place
+            return math.hypot(max(-x, x - length, 0.0), max(-y, y - width, 0.0))
+
+        across, along = (
+            (max(low + INSET, -BESIDE), min(high - INSET, size + BESIDE))
+            for (low, high), size in ((self.x, length), (self.y, width))
+        )
+        return max(((x, y) for x in across for y in along), key=aside)
 
     @property
     def largest_tilt(self) -> float:

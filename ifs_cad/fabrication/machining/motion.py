@@ -9,13 +9,14 @@ tip : the middle of the end of a tool.
 axis : the direction of a tool, from its tip to its holder.
 cut : what is done to one piece in one go, from above the sheet and back.
 step : cuts with one tool; piercing, engraving and contours follow each other.
+parked : the head waits aside, at the safe height, its tool upright, while a person acts.
 
 Source: section 4.3, figure 19.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
@@ -186,53 +187,37 @@ class Program:
     hold: str
     steps: tuple[Step, ...] = field(repr=False)
 
+    @property
+    def park(self) -> FloatArray:
+        """(3,) float, where the tip waits while a person acts, mm."""
+        stock = self.sheet.stock
+        return np.array([*self.machine.parked(stock.length, stock.width), self.safe])
 
-def machining_time(program: Program, machine: Machine | None = None) -> float:
-    """Estimate how long a program takes, in seconds.
+    @property
+    def screwed_after(self) -> int | None:
+        """The place of the step after which a person screws the pieces down through their holes.
 
-    Ways by their feeds, the head's turns and the rapid moves by their speeds, and the tool changes;
-    without the time to speed up and slow down.
+        None where something else holds them, or nothing is pierced.
+        """
+        pierced = [place for place, step in enumerate(self.steps) if step.name == "pierce"]
+        return pierced[-1] if pierced and self.hold == "none" else None
 
-    Parameters
-    ----------
-    program : Program
-    machine : Machine, optional
-        The program's own by default.
-    """
-    machine = machine or program.machine
-    return sum(machine.tool_change + _minutes(step.moves, machine) * 60.0 for step in program.steps)
+    @property
+    def stops(self) -> int:
+        """How often the program waits for a person, changes of tools aside."""
+        return int(self.screwed_after is not None)
 
+    def parks_after(self, place: int) -> bool:
+        """Tell whether the head is parked after a step: for the screws, a tool, or the sheet."""
+        last = place == len(self.steps) - 1
+        return last or place == self.screwed_after or self.machine.change_by_hand
 
-def machining_summary(times: Mapping[str, float]) -> str:
-    """Return the times of programs as text.
-
-    Parameters
-    ----------
-    times : seconds that each program takes, by the name of its sheet
-    """
-    listed = ", ".join(f"{name} {hours(seconds)}" for name, seconds in times.items())
-    programs = "1 program" if len(times) == 1 else f"{len(times)} programs"
-    return f"{programs}, {hours(sum(times.values()))} h of machining: {listed}"
-
-
-def hours(seconds: float) -> str:
-    """Return a time as hours and minutes."""
-    whole, minutes = divmod(round(seconds / 60.0), 60)
-    return f"{whole}:{minutes:02}"
-
-
-def _minutes(moves: Moves, machine: Machine) -> float:
-    ways = moves.lengths
-    speeds = np.where(moves.is_rapid, machine.rapid, moves.feeds)
-    return float(np.maximum(ways / speeds, _turns(moves.axes) / machine.rotation).sum())
-
-
-def _turns(axes: FloatArray) -> FloatArray:
-    """Return how far the head turns for each move, the larger of tilt and turn, degrees."""
-    level = np.hypot(axes[:, 0], axes[:, 1])
-    tilts = np.degrees(np.arctan2(level, axes[:, 2]))
-    # while the tool is vertical, the turn stays
-    last = np.maximum.accumulate(np.where(level > 0.0, np.arange(len(axes)), 0))
-    turns = np.degrees(np.arctan2(axes[last, 1], axes[last, 0]))
-    turned = np.abs((np.diff(turns, prepend=turns[:1]) + 180.0) % 360.0 - 180.0)
-    return np.asarray(np.maximum(np.abs(np.diff(tilts, prepend=tilts[:1])), turned))
+    def ways(self, place: int) -> tuple[Cut | Drilling, ...]:
+        """Return the cuts of a step, with the ways from and to where the head is parked."""
+        cuts = self.steps[place].cuts
+        still = Moves.lines(self.park[None], VERTICAL, np.zeros(1))
+        if place > 0 and self.parks_after(place - 1):
+            cuts = (Cut(cuts[0].address, still, "coming from where the head is parked"), *cuts)
+        if self.parks_after(place):
+            cuts = (*cuts, Cut(cuts[-1].address, still, "going to where the head is parked"))
+        return cuts

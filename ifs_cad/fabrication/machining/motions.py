@@ -101,12 +101,25 @@ class Stop:
     ----------
     line : int
     code : str, "M0", "M1", "M5" or "M6"
-    height : float, Z as programmed, mm; NaN where not yet programmed
+    position : (float, float, float), X, Y and Z as programmed, mm; NaN where not yet programmed
+    angles : (float, float, float), A, B and C, degrees; NaN where not yet programmed
+    speed : float, of the spindle when it takes effect, turns per minute, below 0 backwards
+    tool : int, in the spindle until then; 0 when none was called
+    before : int, how many motions come before it
     """
 
     line: int
     code: str
-    height: float
+    position: tuple[float, float, float]
+    angles: tuple[float, float, float]
+    speed: float
+    tool: int
+    before: int
+
+    @property
+    def height(self) -> float:
+        """Z as programmed, mm; NaN where not yet programmed."""
+        return self.position[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +134,7 @@ class Program:
     last_line : int, where it ends
     resolution : float, mm
     stops : in the order of their lines
+    dwell : float, how long the program waits by itself, seconds
     """
 
     motions: Motions
@@ -129,6 +143,17 @@ class Program:
     last_line: int
     resolution: float
     stops: tuple[Stop, ...] = ()
+    dwell: float = 0.0
+
+    @cached_property
+    def waits(self) -> tuple[Stop, ...]:
+        """The stops at which it waits for a person, in order: M0 and M1."""
+        return tuple(stop for stop in self.stops if stop.code in ("M0", "M1"))
+
+    @cached_property
+    def changes(self) -> tuple[Stop, ...]:
+        """The changes of the tool, in order."""
+        return tuple(stop for stop in self.stops if stop.code == "M6")
 
     @cached_property
     def _label_lines(self) -> list[int]:

@@ -2,10 +2,10 @@
 
 It knows nothing of how programs are written here, only the common dialect of controllers:
 
-- G0 G1 G2 G3 (with I J or R), G81 and G83 with G98 G99, G80; G4 dwells;
+- G0 G1 G2 G3 (with I J or R), G81 and G83 with G98 G99, G80; G4 dwells for P seconds;
 - G17, G20 G21, G90, G93 G94, G40, G43 or G43.4 with H, G49, G54, G61 G64;
-- T with M6, S with M3 M4 M5, F, M7 M8 M9; M0 and M1, where a person has to act; M2 or M30 at the
-  end;
+- T with M6, S with M3 M4 M5, F, M7 M8 M9; M0 and M1, where a person has to act, after all else in
+  their line; M2 or M30 at the end;
 - comments in round brackets or after a semicolon, N words, % before and after, and a line with O
   and the number of the program.
 
@@ -83,11 +83,19 @@ class _Machine:
     offset: int = 0
     keeps_height: bool = False
     ended: bool = False
+    dwell: float = 0.0
     cycle: dict[str, float] = field(default_factory=dict)
     said: set[str] = field(default_factory=set)
     notes: list[str] = field(default_factory=list)
     stops: list[Stop] = field(default_factory=list)
     rows: list[tuple[object, ...]] = field(default_factory=list)
+
+    def stop(self, line: int, code: str) -> None:
+        """Write down how the machine stands at a stop."""
+        x, y, z, *angles = self.position
+        a, b, c = angles
+        speed = self.turning * self.speed
+        self.stops.append(Stop(line, code, (x, y, z), (a, b, c), speed, self.tool, len(self.rows)))
 
     def record(
         self,
@@ -159,7 +167,8 @@ def read_program(text: str) -> Program:
         faults.append(Fault(last, "", "The program does not end: M2 or M30 is missing."))
     resolution = 0.5 * 10.0**-decimals * machine.scale
     motions = _motions(machine.rows)
-    return Program(motions, tuple(labels), tuple(faults), last, resolution, tuple(machine.stops))
+    stops = tuple(machine.stops)
+    return Program(motions, tuple(labels), tuple(faults), last, resolution, stops, machine.dwell)
 
 
 def _words(code: str) -> tuple[list[tuple[str, str]], int]:
@@ -215,10 +224,10 @@ def _follow(machine: _Machine, line: int, codes: dict[str, str], values: dict[st
     """Take over all settings of a line, then move."""
     values.pop("N", None)
     machine.said |= codes.keys()
-    for group in ("stop", "spindle", "change"):
+    for group in ("change", "spindle"):
         code = codes.get(group, "")
         if code and code not in ("M3", "M4"):
-            machine.stops.append(Stop(line, code, machine.position[2]))
+            machine.stop(line, code)
     if "units" in codes:
         machine.scale = _MILLIMETRES[codes["units"]]
     if "feed mode" in codes:
@@ -245,7 +254,10 @@ def _follow(machine: _Machine, line: int, codes: dict[str, str], values: dict[st
     if "dwell" in codes:
         if "P" not in values:
             raise _RefusedLineError("G4 without a time: P is missing.")
-        del values["P"]
+        seconds = values.pop("P")
+        if seconds < 0.0:
+            raise _RefusedLineError(f"G4 cannot wait for {seconds:g} seconds.")
+        machine.dwell += seconds
     elif codes.get("path") == "64":
         deviation = values.pop("P", math.inf) * machine.scale
         values.pop("Q", None)
@@ -263,6 +275,8 @@ def _follow(machine: _Machine, line: int, codes: dict[str, str], values: dict[st
             machine.cycle = {}
         machine.mode = codes["motion"]
     _move(machine, line, values)
+    if "stop" in codes:
+        machine.stop(line, codes["stop"])
     if values:
         raise _RefusedLineError(f"{', '.join(values)} has no meaning in this line.")
     if "end" in codes:

@@ -24,6 +24,9 @@ the same form adds to them:
     [machine]                           # what is left out is as in the library
     rotary = "AC"                       # or "BC"; "none" for a machine of three axes
     safe_height = 60
+    park = [-300, 1800]                 # where the head waits while a person acts, x and y, mm
+    tool_change = 120                   # that one takes, seconds
+    change_by_hand = true               # the head is parked for it
 
     [[machine.clamps]]
     x = [0, 60]
@@ -96,6 +99,7 @@ class Router:
 
 
 _SPAN = readers.list_of(readers.number, "two numbers, the least and the largest", 2)
+_PLACE = readers.list_of(readers.number, "two numbers, x and y", 2)
 _TEXTS = readers.list_of(readers.text, "a list of texts in quotes")
 _TOOL: readers.Readers = {
     "number": readers.whole,
@@ -115,6 +119,8 @@ _MACHINE: readers.Readers = {
     **dict.fromkeys(["x", "y", "z", "tilt", "turn", "spindle"], _SPAN),
     **dict.fromkeys(["pivot", "safe_height", "spoilboard", "spoilboard_depth"], readers.number),
     **dict.fromkeys(["feed", "rapid", "rotation", "tool_change"], readers.number),
+    "change_by_hand": readers.flag,
+    "park": _PLACE,
 }
 _POST: readers.Readers = {
     "like": readers.one_of(*POSTS),

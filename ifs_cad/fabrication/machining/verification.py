@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ifs_cad.fabrication.machining.fault import Fault
+from ifs_cad.fabrication.machining.machine_time import interruptions
 from ifs_cad.types import BoolArray
 
 SHOWN = 20
@@ -43,7 +44,9 @@ class Verification:
     angle_error : float, largest angle between a side and its plane, degrees
     hole_error, stroke_error : float, largest distance from their places, mm
     spoilboard_depth : float, how deep the table is cut, mm
-    minutes : float, by the programmed feeds, the rapid speed and the speed of the rotary axes
+    minutes : float, by the programmed feeds, the rapid speed, the speed of the rotary axes, dwells
+        and the tool changes; stops take as long as the person takes, and are only counted
+    tool_changes, stops : int, how often a tool is changed, and a person waited for (M0 and M1)
     removed : float, volume taken from the sheet, mm3; NaN when it was not simulated
     interpreter : str, what read the program: "rs274" and our own reader, or our own alone
     """
@@ -59,6 +62,8 @@ class Verification:
     stroke_error: float
     spoilboard_depth: float
     minutes: float
+    tool_changes: int
+    stops: int
     removed: float
     interpreter: str
 
@@ -79,7 +84,8 @@ class Verification:
             f"{self.name}: {verdict}; {self.sides} sides within {self.plane_error:.6f} mm and "
             f"{self.angle_error:.6f} degrees, {self.holes} holes within {self.hole_error:.6f} mm, "
             f"{self.strokes} strokes within {self.stroke_error:.6f} mm; "
-            f"{self.spoilboard_depth:.2f} mm into the table, {self.minutes:.1f} min"
+            f"{self.spoilboard_depth:.2f} mm into the table, {self.minutes:.1f} min "
+            f"{interruptions(self.tool_changes, self.stops)}"
         )
         if not math.isnan(self.removed):
             head += f"; {self.removed / 1000:.1f} cm3 removed"

@@ -6,7 +6,8 @@ leave with the geometry of the workpieces. Comments name what a fault is about; 
 
 What is looked at: planes of the contour, holes and strokes; that every one is made and nothing else
 is cut; cutters and holders against workpieces, sheet, table and clamps; heights of rapid motions
-and of turns of the head; ranges of all axes; spindle, feeds, tools and their lengths; the order.
+and of turns of the head; ranges of all axes; spindle, feeds, tools and their lengths; the order;
+stops for a person, and where the head is meanwhile.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ from ifs_cad.fabrication.machining.verify_clearance import verify_clearance
 from ifs_cad.fabrication.machining.verify_holes import verify_holes
 from ifs_cad.fabrication.machining.verify_machine import verify_machine
 from ifs_cad.fabrication.machining.verify_sides import verify_sides
+from ifs_cad.fabrication.machining.verify_stops import verify_screwing, verify_stops
 from ifs_cad.fabrication.machining.verify_strokes import verify_strokes
 from ifs_cad.fabrication.workpiece import Workpiece
 from ifs_cad.tolerance import DEFAULT, Tolerance
@@ -130,6 +132,8 @@ def verify(
         *verify_machine(
             program, cuts, placed, magazine, machine, convention, sheet.stock.material.name, tol
         ),
+        *verify_stops(program, placed, magazine, machine, convention, tol),
+        *verify_screwing(program, cuts, placed, settings, holes.makes, sides.makes),
         *holes.faults,
         *strokes.faults,
         *sides.faults,
@@ -148,7 +152,9 @@ def verify(
         hole_error=holes.measured.get("hole", 0.0),
         stroke_error=strokes.measured.get("stroke", 0.0),
         spoilboard_depth=float(-np.nanmin(cuts.lowest, initial=0.0)),
-        minutes=_minutes(cuts, machine),
+        minutes=_minutes(program, cuts, machine),
+        tool_changes=len(program.changes),
+        stops=len(program.waits),
         removed=removed,
         interpreter=reader,
     )
@@ -281,11 +287,12 @@ def _without_purpose(
     return faults
 
 
-def _minutes(cuts: Cuts, machine: Machine) -> float:
-    """Return how long the program takes, without speeding up, slowing down and tool changes."""
+def _minutes(program: Program, cuts: Cuts, machine: Machine) -> float:
+    """Return how long the program takes, without speeding up, slowing down and stops."""
     motions = cuts.motions
     ways = np.nan_to_num(motions.lengths)
     speeds = np.where(cuts.feeds, motions.feeds, machine.rapid)
     turned = np.abs(motions.end_angles - motions.start_angles)
     turns = np.nan_to_num(turned).max(axis=1, initial=0.0) / machine.rotation
-    return float(np.maximum(ways / speeds, turns).sum())
+    still = program.dwell + len(program.changes) * machine.tool_change
+    return float(np.maximum(ways / speeds, turns).sum()) + still / 60.0

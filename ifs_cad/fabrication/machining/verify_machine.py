@@ -40,22 +40,7 @@ def verify_machine(
     _tool_rules(rules, tools, machine, material)
     _height_rules(rules, sheet, machine, tol)
     _travel_rules(rules, machine, convention, tol)
-    return [*rules.faults, *_stops(program, sheet, machine, tol)]
-
-
-def _stops(program: Program, sheet: PlacedSheet, machine: Machine, tol: Tolerance) -> list[Fault]:
-    """Return where spindle or tool change in the sheet, or a person has to act near the tool."""
-    heights = dict.fromkeys(("M0", "M1"), sheet.thickness + machine.safe_height)
-    return [
-        Fault(
-            stop.line,
-            program.address_at(stop.line),
-            f"{stop.code} at a height of {stop.height:.3f} mm, below "
-            f"{heights.get(stop.code, sheet.thickness):g} mm.",
-        )
-        for stop in program.stops
-        if stop.height < heights.get(stop.code, sheet.thickness) - tol.machined
-    ]
+    return rules.faults
 
 
 class _Rules:
@@ -146,10 +131,14 @@ def _height_rules(rules: _Rules, sheet: PlacedSheet, machine: Machine, tol: Tole
     cuts, motions = rules.cuts, rules.cuts.motions
     safe = sheet.thickness + machine.safe_height - tol.machined
     ends = np.fmin(cuts.ends[:, 2], cuts.starts[:, 2])
+    between = cuts.lowest_tips
     rules.broken(
-        motions.rotates & (ends < safe),
+        motions.rotates & (np.fmin(ends, between) < safe),
         lambda k: (
             f"The head turns at a height of {ends[k]:.3f} mm, below {safe + tol.machined:g} mm."
+            if ends[k] < safe
+            else f"The tip swings down to {between[k]:.3f} mm while the head turns, below "
+            f"{safe + tol.machined:g} mm: the control does not keep it in place."
         ),
     )
     placed = np.isfinite(np.hstack([motions.ends, motions.starts])).all(axis=1)
