@@ -28,6 +28,7 @@ from ifs_cad.errors import (
     MachineError,
     ScriptError,
     StockError,
+    WorkerError,
 )
 from ifs_cad.fabrication.machining.job import read_job
 from ifs_cad.fabrication.machining.verify import verify_file
@@ -331,7 +332,7 @@ def test_side_that_the_head_cannot_reach_is_an_error_with_its_angle(shell_script
 
 def test_run_that_dies_leaves_the_former_folder_whole(shell_script, tmp_path, own_worker):
     folder = fabricate(shell_script, out=tmp_path).folder
-    with pytest.raises(module.WorkerError, match=r"Nothing in .* was changed"):
+    with pytest.raises(WorkerError, match=r"Nothing in .* was changed"):
         fabricate(shell_script, out=tmp_path, settings={"die": True})
     assert differences(folder) == []
     assert {p.name for p in tmp_path.iterdir()} == {"dome"}

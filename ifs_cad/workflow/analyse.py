@@ -9,10 +9,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ifs_cad.errors import ScriptError, WorkerError
+from ifs_cad.workflow.part_job import part_script, run_part_job
 from ifs_cad.workflow.question import Question
 from ifs_cad.workflow.staging import install, staging
-from ifs_cad.workflow.supervise import Listener, run
+from ifs_cad.workflow.supervise import Listener
 
 MADE = {".csv", ".inp", ".png", ".svg", ".txt", ".vtu"}
 """Files of a former analysis, which must not stay beside those of another."""
@@ -89,23 +89,11 @@ def analyse(
         With a message: the old files are unchanged.
     """
     begin = time.monotonic()
-    script = Path(script)
-    if not script.is_file():
-        raise ScriptError(f"There is no script {script}.")
+    script = part_script(script)
     folder = Path(out) / script.stem / "analysis"
     with staging(folder) as stage:
-        request = {
-            "script": str(script),
-            "settings": {name: str(value) for name, value in (settings or {}).items()},
-            "stage": str(stage),
-            "question": asdict(question or Question()),
-        }
-        try:
-            done = run("analyse", request, listener or Listener())
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"Interrupted; nothing in {folder} was changed.") from None
-        except WorkerError as error:
-            raise WorkerError(f"{error}\nNothing in {folder} was changed.") from error
+        asked = asdict(question or Question())
+        done = run_part_job("analyse", script, settings, stage, folder, listener, question=asked)
         files = tuple(folder / path.name for path in sorted(stage.iterdir()))
         for target in files:
             install(stage / target.name, target)

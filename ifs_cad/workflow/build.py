@@ -11,9 +11,9 @@ from typing import Any
 
 from rich.filesize import decimal
 
-from ifs_cad.errors import ScriptError, WorkerError
+from ifs_cad.workflow.part_job import part_script, run_part_job
 from ifs_cad.workflow.staging import install, staging
-from ifs_cad.workflow.supervise import Listener, run
+from ifs_cad.workflow.supervise import Listener
 
 
 @dataclass(frozen=True)
@@ -123,24 +123,19 @@ def build(
         With a message: the old files are unchanged.
     """
     begin = time.monotonic()
-    script = Path(script)
-    if not script.is_file():
-        raise ScriptError(f"There is no script {script}.")
+    script = part_script(script)
     folder = Path(out) / script.stem
     with staging(folder / f"{script.stem}.step") as stage:
-        request = {
-            "script": str(script),
-            "settings": {name: str(value) for name, value in (settings or {}).items()},
-            "stage": str(stage),
-            "schema": schema,
-            "flat_panels": flat_panels,
-        }
-        try:
-            done = run("build", request, listener or Listener())
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"Interrupted; nothing in {folder} was changed.") from None
-        except WorkerError as error:
-            raise WorkerError(f"{error}\nNothing in {folder} was changed.") from error
+        done = run_part_job(
+            "build",
+            script,
+            settings,
+            stage,
+            folder,
+            listener,
+            schema=schema,
+            flat_panels=flat_panels,
+        )
         written = tuple(
             _install(stage, folder, item["places"], item["seconds"]) for item in done["files"]
         )

@@ -16,11 +16,12 @@ from typing import Any
 
 from rich.filesize import decimal
 
-from ifs_cad.errors import ExportError, ScriptError, WorkerError
+from ifs_cad.errors import ExportError
 from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.workflow.manifest import NAME, read_manifest
+from ifs_cad.workflow.part_job import part_script, run_part_job
 from ifs_cad.workflow.staging import staging
-from ifs_cad.workflow.supervise import Listener, run
+from ifs_cad.workflow.supervise import Listener
 
 FORMER = ".former"
 """What is added to the name of a folder while the new one takes its place."""
@@ -105,25 +106,14 @@ def fabricate(
         With a message: the former folder is unchanged.
     """
     begin = time.monotonic()
-    script, workshop = Path(script), workshop or Workshop()
-    if not script.is_file():
-        raise ScriptError(f"There is no script {script}.")
+    script, workshop = part_script(script), workshop or Workshop()
     folder = Path(out) / script.stem
     _recover(folder)
     with staging(folder) as stage:
         new = stage / folder.name
-        request = {
-            "script": str(script),
-            "settings": {name: str(value) for name, value in (settings or {}).items()},
-            "stage": str(new),
-            "workshop": workshop.as_dict(),
-        }
-        try:
-            done = run("fabricate", request, listener or Listener())
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"Interrupted; nothing in {folder} was changed.") from None
-        except WorkerError as error:
-            raise WorkerError(f"{error}\nNothing in {folder} was changed.") from error
+        done = run_part_job(
+            "fabricate", script, settings, new, folder, listener, workshop=workshop.as_dict()
+        )
         made = read_manifest(new)
         _take_along(folder, new)
         _swap(new, folder)

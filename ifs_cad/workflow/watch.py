@@ -12,8 +12,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ifs_cad.errors import IfsCadError, MissingLibraryError, ScriptError, ViewerError, WorkerError
+from ifs_cad.errors import IfsCadError, MissingLibraryError, ViewerError, WorkerError
 from ifs_cad.libraries import require
+from ifs_cad.workflow.part_job import part_script
 from ifs_cad.workflow.supervise import Job, Listener, session
 
 DEBOUNCE_MS = 50  # within which changes count as one save
@@ -52,8 +53,7 @@ def watch(
         Nothing can be shown at the beginning; later that is reported, as everything else.
     """
     require("watchfiles", "--watch", extra="view")
-    if not source.is_file():
-        raise ScriptError(f"There is no script {source}.")
+    part_script(source)
     arguments = {
         "source": str(source),
         "settings": dict(settings),
