@@ -18,6 +18,7 @@ from ifs_cad.design_file import presets
 from ifs_cad.design_record import Design, DrawnCurve
 from ifs_cad.elements.fibre import FibreAlongEdge
 from ifs_cad.errors import GeometryError, InputError
+from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.studio.jobs import (
     JobRunner,
     JobState,
@@ -135,7 +136,7 @@ def test_a_workshop_folder_comes_whole_with_sheets_and_programs() -> None:
         def stage(self, name: str, done: int, total: int | None) -> None:
             heard.append(name)
 
-    made = fabrication_folder(TINY, "tiny", Ear())
+    made = fabrication_folder(TINY, "tiny", Workshop(), Ear())
     assert made.name == "tiny.zip"
     assert made.summary.startswith("panels          4\n")
     assert len(set(heard)) > 1

@@ -318,6 +318,17 @@ def test_a_page_of_another_origin_reads_and_writes_nothing(page: Page) -> None:
     assert page.design == DESIGN
 
 
+def test_the_workshop_folder_is_made_of_own_stock(page: Page, tmp_path: Path) -> None:
+    stock = tmp_path / "own.toml"
+    stock.write_text('[[sheets]]\nname = "thin"\nlength = "2500"\n', encoding="utf-8")
+    page.tab("Make")
+    page.type("Own stock", str(stock))
+    page.press("Workshop folder")
+    said = page.page.get_by_text("line 3: [[sheets]] entry 1 (thin): length must be a number")
+    said.wait_for()
+    page.type("Own stock", "")
+
+
 def test_the_step_file_that_is_downloaded_passes_the_check(page: Page, tmp_path: Path) -> None:
     page.tab("Make")
     with page.page.expect_download() as download:

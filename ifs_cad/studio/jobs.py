@@ -17,6 +17,7 @@ from typing import Literal
 from ifs_cad.design_file import SUFFIX, write_design
 from ifs_cad.design_record import Design
 from ifs_cad.errors import IfsCadError, InputError
+from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.workflow.analyse import analyse
 from ifs_cad.workflow.build import build
 from ifs_cad.workflow.fabricate import fabricate
@@ -196,11 +197,12 @@ def step_file(design: Design, stem: str, listener: Listener) -> Made:
         return Made(path.name, path.read_bytes(), "\n".join(result.reports))
 
 
-def fabrication_folder(design: Design, stem: str, listener: Listener) -> Made:
+def fabrication_folder(design: Design, stem: str, workshop: Workshop, listener: Listener) -> Made:
     """Make all that a workshop needs, as a zip file; raises what `fabricate` raises."""
     with tempfile.TemporaryDirectory(prefix="ifs-cad-") as scratch:
         source = _written(design, stem, scratch)
-        result = fabricate(source, out=Path(scratch, "out"), listener=listener)
+        out = Path(scratch, "out")
+        result = fabricate(source, out=out, workshop=workshop, listener=listener)
         listener.stage("packing", 0, None)
         return _packed(result.folder, stem, result.report)
 

@@ -8,7 +8,9 @@ from functools import partial
 from html import escape
 from typing import Any
 
+from ifs_cad.design_record import Design
 from ifs_cad.errors import IfsCadError
+from ifs_cad.fabrication.workshop import Workshop
 from ifs_cad.studio.events import on_click
 from ifs_cad.studio.file_controls import Tell
 from ifs_cad.studio.jobs import (
@@ -27,6 +29,7 @@ from ifs_cad.workflow.question import Question
 
 SUPPORTS = ("standing", "a start, a end", "b start, b end", "borders")
 JOINTS = ("hinge", "rigid")
+OWN_FILE = "A TOML file of {} on this machine; empty: the common ones."
 
 __all__ = ["MakeControls"]
 
@@ -54,8 +57,10 @@ class MakeControls:
         with gui.add_folder("Files to cut from"):
             step = gui.add_button("STEP file", hint="Every panel as an exact solid.")
             folder = gui.add_button(
-                "Workshop folder", hint="Solids, nested sheets, drawings and lists, as a zip."
+                "Workshop folder", hint="Solids, nested sheets, programs and lists, as a zip."
             )
+            self._stock = gui.add_text("Own stock", "", hint=OWN_FILE.format("sheets and boards"))
+            self._tools = gui.add_text("Own router", "", hint=OWN_FILE.format("tools and machine"))
         with gui.add_folder("Does it stand?"):
             self._question(gui)
             check = gui.add_button("Analyse")
@@ -64,11 +69,8 @@ class MakeControls:
         self._cancel = gui.add_button("Cancel", color="gray", visible=False)
         self._again = gui.add_button("Download again", color="gray", visible=False)
         self._result = gui.add_html("", visible=False)
-        for button, what, work in (
-            (step, "STEP file", step_file),
-            (folder, "Workshop folder", fabrication_folder),
-        ):
-            self._starts(button, what, partial(self._simple, work))
+        self._starts(step, "STEP file", self._step_file)
+        self._starts(folder, "Workshop folder", self._workshop_folder)
         self._starts(check, "Analysis", self._analysis)
         on_click(self._cancel, lambda event: self.runner.cancel())
         on_click(self._again, lambda event: self._send(event.client))
@@ -91,8 +93,14 @@ class MakeControls:
 
         on_click(button, start)
 
-    def _simple(self, work: Callable[..., Made]) -> Work:
-        return partial(work, self._session.snapshot().design, self._session.stem)
+    def _step_file(self) -> Work:
+        return partial(step_file, *self._what())
+
+    def _workshop_folder(self) -> Work:
+        workshop = Workshop(
+            stock=self._stock.value.strip() or None, tools=self._tools.value.strip() or None
+        )
+        return partial(fabrication_folder, *self._what(), workshop)
 
     def _analysis(self) -> Work:
         question = Question(
@@ -102,7 +110,10 @@ class MakeControls:
             supports=(self._supports.value,),
             joints=self._joints.value,
         )
-        return partial(analysis, self._session.snapshot().design, self._session.stem, question)
+        return partial(analysis, *self._what(), question)
+
+    def _what(self) -> tuple[Design, str]:
+        return self._session.snapshot().design, self._session.stem
 
     def _show(self, state: JobState) -> None:
         """Show how far a job is; on the thread of the page's events."""
