@@ -7,7 +7,7 @@
 
 PYTHON  ?= python3
 OUT     ?= exports
-WORKERS ?= 2
+WORKERS ?= 3
 
 VENV := .venv
 BIN  := $(VENV)/bin

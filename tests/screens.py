@@ -77,9 +77,23 @@ def viewer_page(port: int) -> str:
     return f"http://127.0.0.1:{port}/viewer"
 
 
-def open_viewer_page(browser: Any, port: int, width: int, height: int) -> Any:
-    """Open the page of a viewer and return it once its splash screen is drawn."""
-    page = browser.new_page(viewport={"width": width, "height": height})
+def open_viewer_page(
+    browser: Any, port: int, width: int, height: int, sharpness: float = 1.0
+) -> Any:
+    """Open the page of a viewer and return it once its splash screen is drawn.
+
+    Parameters
+    ----------
+    browser : of `headless_browser`
+    port : int
+    width, height : int
+        Of the page, as it measures itself.
+    sharpness : float
+        Pixels that are drawn for each of these, along each side; what the processor draws takes
+        time by the pixel.
+    """
+    size = {"width": width, "height": height}
+    page = browser.new_page(viewport=size, device_scale_factor=sharpness)
     page.set_default_timeout(1000 * PATIENCE)
     page.goto(viewer_page(port))
     page.get_by_text("Eye").wait_for()  # a part of the splash screen

@@ -65,7 +65,7 @@ def viewer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[int]:
 @pytest.fixture
 def page(browser: Any, viewer: int) -> Iterator[Any]:
     """The viewer's page, with the splash screen on it."""
-    page = open_viewer_page(browser, viewer, 1000, 700)
+    page = open_viewer_page(browser, viewer, 1000, 700, sharpness=0.5)
     yield page
     page.close()
 

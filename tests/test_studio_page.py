@@ -131,7 +131,9 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def open_page(browser: Any, studio: Any) -> Iterator[Page]:
-    page = browser.new_context(viewport={"width": 760, "height": 520}).new_page()
+    page = browser.new_context(
+        viewport={"width": 760, "height": 520}, device_scale_factor=0.5
+    ).new_page()
     page.set_default_timeout(1000 * PATIENCE)
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))

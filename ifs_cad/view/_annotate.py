@@ -19,7 +19,6 @@ from collections.abc import Callable
 
 import numpy as np
 import vtkmodules.vtkRenderingFreeType  # noqa: F401  without it VTK draws no letters
-from scipy.ndimage import maximum_filter
 from vtkmodules.vtkCommonCore import vtkLookupTable, vtkVariant
 from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
 from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderer, vtkTextActor
@@ -150,7 +149,8 @@ def _labels(
     size = np.minimum(size, LARGEST_LABEL * height)
     is_seen = (np.maximum(np.abs(x), np.abs(y)) < 1) & (cosine > TOWARDS)
     # of a slanting face the next pixel may be much deeper
-    is_seen &= z <= maximum_filter(ground, size=3)[row, column] + BEHIND
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(ground, 1, mode="edge"), (3, 3))
+    is_seen &= z <= around[row, column].max(axis=(-2, -1)) + BEHIND
     is_seen &= size >= SMALLEST_LABEL
     if not is_seen.any():
         return None

@@ -26,10 +26,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkPolyDataNormals
+from vtkmodules.vtkImagingGeneral import vtkImageGaussianSmooth
 from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkRenderingCore import (
     vtkActor,
@@ -82,7 +82,7 @@ def draw(scene: Scene) -> bytes:
     if floor_is_seen:
         shadow = shadow_renderer(on_floor, scene["triangles"])
         _, covered = photograph(shadow, camera, width, height, 1)
-        floor -= SHADOW * gaussian_filter(covered, SHADOW_BLUR * width)
+        floor -= SHADOW * blurred(covered, SHADOW_BLUR * width)
     picture = color + ((1.0 - coverage) * floor)[..., None] * scene["background"]
 
     def depth() -> Array:
@@ -231,15 +231,31 @@ def mesh(points: Array, cells: Array, colors: Array | None = None) -> vtkPolyDat
     return data
 
 
-def png(picture: Array) -> bytes:
-    """Return an (h, w, 3) uint8 picture as the bytes of a PNG file."""
-    height, width, _ = picture.shape
+def blurred(picture: Array, deviation: float) -> Array:
+    """Return an (h, w) picture smoothed by a Gaussian of a standard deviation in pixels."""
+    smooth = vtkImageGaussianSmooth()
+    smooth.SetInputData(image_of(picture.astype(np.float32)[..., None]))
+    smooth.SetDimensionality(2)
+    smooth.SetStandardDeviation(deviation)
+    smooth.SetRadiusFactor(4.0)
+    smooth.Update()
+    return from_vtk(smooth.GetOutput().GetPointData().GetScalars()).reshape(picture.shape)
+
+
+def image_of(picture: Array) -> vtkImageData:
+    """Return an (h, w, channels) picture as VTK holds it, in the same order of rows."""
+    height, width, channels = picture.shape
     image = vtkImageData()
     image.SetDimensions(width, height, 1)
-    image.GetPointData().SetScalars(to_vtk(picture[::-1].reshape(-1, 3), deep=True))
+    image.GetPointData().SetScalars(to_vtk(picture.reshape(-1, channels), deep=True))
+    return image
+
+
+def png(picture: Array) -> bytes:
+    """Return an (h, w, 3) uint8 picture as the bytes of a PNG file."""
     writer = vtkPNGWriter()
     writer.WriteToMemoryOn()
-    writer.SetInputData(image)
+    writer.SetInputData(image_of(picture[::-1]))
     writer.Write()
     return from_vtk(writer.GetResult()).tobytes()
 
