@@ -1,6 +1,7 @@
 """Hypothesis profiles, a worker for jobs, and a browser for the tests that look at pages.
 
-HYPOTHESIS_PROFILE=ci repeats the same examples on every run.
+HYPOTHESIS_PROFILE=ci repeats the same examples on every run, HYPOTHESIS_PROFILE=thorough takes many
+more where a test leaves their number open.
 """
 
 import os
@@ -15,8 +16,9 @@ from screens import NoScreenError, headless_browser
 from ifs_cad.workflow import supervise
 
 # No deadline: a first call may import the CAD kernel, which takes seconds.
-settings.register_profile("default", deadline=None)
-settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True)
+settings.register_profile("default", deadline=None, max_examples=50)
+settings.register_profile("ci", settings.get_profile("default"), derandomize=True, print_blob=True)
+settings.register_profile("thorough", deadline=None, max_examples=1000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 

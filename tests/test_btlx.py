@@ -451,7 +451,7 @@ def test_beams_read_back(tmp_path) -> None:
     assert_reads_back(pieces, tmp_path / "frame.btlx")
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(shells(), st.sampled_from(["inner", "outer"]), st.booleans())
 def test_any_shell_reads_back(tmp_path_factory, shell, face, by_compas) -> None:
     label = Label(face=face, style="wire", min_height=2.5, margin=0.0)

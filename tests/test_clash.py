@@ -53,7 +53,7 @@ def by_linear_programming(shell):
     }
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.one_of(shells(), shells(nodes="plain"), doubled()))
 def test_clashes_are_those_of_linear_programming_over_all_pairs(shell):
     wanted = by_linear_programming(shell)
@@ -65,7 +65,7 @@ def test_clashes_are_those_of_linear_programming_over_all_pairs(shell):
             assert pair not in found
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(st.one_of(shells(), doubled()))
 def test_shell_is_disjoint_or_refused_with_the_panels_named(shell):
     radii = by_linear_programming(shell)

@@ -53,7 +53,7 @@ def test_panels_trimmed_by_a_floor_are_exact_solids():
     assert feet[:, 2].min() == pytest.approx(GROUND.origin[2], abs=1e-9)
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(shells())
 def test_panels_of_any_shell_are_exact_solids(shell):
     assert_all_exact(shell)

@@ -62,14 +62,14 @@ def caps(panel):
 # what every shell is, whatever it was made from
 
 
-@settings(max_examples=120)
+@settings(max_examples=60)
 @given(shells())
 def test_panels_that_share_a_node_share_no_volume(shell):
     require_touching_only(shell)
 
 
 @pytest.mark.slow
-@settings(max_examples=400)
+@settings(max_examples=150)
 @given(shells())
 def test_panels_that_share_a_node_share_no_volume_in_many_shells(shell):
     require_touching_only(shell)
