@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.metadata import version
 
+WIDEST = 76  # column of the table, in letters; a longer text stands out of it
 HEADINGS = ("", "what", "ours", "against", "ratio or value", "limit", "", "noise")
 
 
@@ -73,7 +74,7 @@ class Line:
 def markdown(lines: Iterable[Line]) -> str:
     """Return the lines as a Markdown table, padded so that it reads well in a terminal too."""
     rows = [HEADINGS, *(line.cells() for line in lines)]
-    widths = [max(3, *(len(row[k]) for row in rows)) for k in range(len(HEADINGS))]
+    widths = [min(WIDEST, max(3, *(len(row[k]) for row in rows))) for k in range(len(HEADINGS))]
     text = [
         "| " + " | ".join(t.ljust(w) for t, w in zip(row, widths, strict=True)) + " |"
         for row in rows
