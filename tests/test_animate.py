@@ -99,6 +99,8 @@ def test_the_command_sweeps_a_parameter_of_a_script(tmp_path: Path) -> None:
         (("1", "4"), None, ["1", "2", "3", "4"]),
         (("4", "0"), 3, ["4", "2", "0"]),
         (("0", "0.5"), 3, ["0", "0.25", "0.5"]),
+        (("0", "1"), 5, ["0", "0.25", "0.5", "0.75", "1"]),
+        (("0", "1.0"), None, [f"{step / 23:.9g}" for step in range(24)]),
     ],
 )
 def test_whole_numbers_go_one_by_one_and_others_evenly(

@@ -190,6 +190,15 @@ def test_a_weight_is_typed_and_undone(page: Page) -> None:
     page.wait_for(lambda: page.design == DESIGN)
 
 
+def test_a_floor_is_typed_with_its_decimals(page: Page) -> None:
+    page.tab("Panels")
+    page.page.get_by_label("Stands on a floor").check()
+    page.wait_for(lambda: page.design.floor == 0.0)
+    page.type("Floor at z (mm)", "-12.375")
+    page.wait_for(lambda: page.design.floor == -12.375)
+    page.wait_for(lambda: page.box("Floor at z (mm)").input_value() == "-12.375")
+
+
 def test_a_depth_makes_more_panels(page: Page) -> None:
     page.tab("Curve B")
     page.type("Depth", "2")

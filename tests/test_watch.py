@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ifs_cad.workflow.watch import LOOK_MS, _saves
+from ifs_cad.workflow.watch import LOOK_MS, _saves, sources
 
 pytest.importorskip("watchfiles", reason="watchfiles is not installed")
 
@@ -71,3 +71,31 @@ def test_a_file_that_is_gone_is_awaited(script: Path, pool: ThreadPoolExecutor) 
     assert not wait([coming], SURELY_SILENT).done
     script.write_text("depth = 20\n", encoding="utf-8")
     assert told(coming)
+
+
+def test_the_files_of_a_script_are_what_it_imports_from_beside_it(tmp_path: Path) -> None:
+    files = {
+        "roof.py": "import ifs_cad, numpy\nfrom walls import brick\nimport kit.rib as rib\n",
+        "walls.py": "def broken(:\n",
+        "kit/__init__.py": "from . import edge\n",
+        "kit/rib.py": "def later():\n    from .deep import core\n    import roof\n",
+        "kit/edge.py": "",
+        "kit/deep/__init__.py": "",
+        "kit/deep/core.py": "from ..edge import nothing\n",
+        "kit/unused.py": "",
+        "other.py": "",
+        "ifs_cad/__init__.py": "",
+    }
+    for name, text in files.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    found = {path.relative_to(tmp_path).as_posix() for path in sources(tmp_path / "roof.py")}
+    assert found == files.keys() - {"kit/unused.py", "other.py", "ifs_cad/__init__.py"}
+
+
+def test_a_script_that_is_broken_or_missing_is_still_awaited(tmp_path: Path) -> None:
+    script = tmp_path / "roof.py"
+    assert sources(script) == {script}
+    script.write_text("def broken(:\n", encoding="utf-8")
+    assert sources(script) == {script}

@@ -73,7 +73,10 @@ def animate(
     ],
     frames: Annotated[
         int | None,
-        typer.Option(help="How many values; every whole number without it.", show_default="24"),
+        typer.Option(
+            help="How many values, evenly; without it whole numbers go one by one.",
+            show_default="24",
+        ),
     ] = None,
     seconds: Annotated[float, typer.Option(help="How long it runs.")] = 4.0,
     back: Annotated[bool, typer.Option("--back", help="Run back to the beginning.")] = False,
@@ -90,7 +93,8 @@ def animate(
 ) -> None:
     """Draw a part script as a GIF or MP4 while one of its parameters changes.
 
-    Whole numbers, as depth=1:5, go one by one: the steps of the iteration.
+    Whole numbers, as depth=1:5, go one by one: the steps of the iteration. Write roughness=0:1.0,
+    or give --frames, for values between.
     """
     options = {
         "seconds": seconds,
@@ -140,17 +144,13 @@ def _explode(text: str) -> float | list[float]:
 
 
 def _values(begin: str, end: str, frames: int | None) -> list[str]:
-    """Return the values of a sweep as text, whole numbers one by one."""
-    try:
-        first, last = int(begin), int(end)
-    except ValueError:
-        low, high = float(begin), float(end)
-        count = 24 if frames is None else frames
-        steps = max(count - 1, 1)
-        return [f"{low + (high - low) * step / steps:.9g}" for step in range(count)]
-    count = abs(last - first) + 1 if frames is None else min(frames, abs(last - first) + 1)
-    steps = max(count - 1, 1)
-    return [str(first + round((last - first) * step / steps)) for step in range(count)]
+    """Return the values of a sweep as text; whole numbers one by one where no count is given."""
+    low, high = float(begin), float(end)
+    if frames is None:
+        is_whole = all(text.lstrip("+-").isdecimal() for text in (begin, end))
+        frames = int(abs(high - low)) + 1 if is_whole else 24
+    steps = max(frames - 1, 1)
+    return [f"{low + (high - low) * step / steps:.9g}" for step in range(frames)]
 
 
 def show(
@@ -185,6 +185,7 @@ def show(
             options=options,
             listener=plain(quiet),
             report=lambda text: None if quiet else typer.echo(text),
+            complain=lambda text: typer.echo(text, err=True),
         )
         return
     with display(quiet) as listener:

@@ -20,7 +20,10 @@ Read = Callable[[Snapshot], Any]
 
 Write = Callable[[StudioModel, Any], object]
 
-__all__ = ["Bindings"]
+DECIMALS = 4
+"""That boxes show and take."""
+
+__all__ = ["DECIMALS", "Bindings"]
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,9 @@ class Bindings:
             For sliders and boxes: what they say while they are drawn, or a number is typed, is one
             step of the history.
         """
+        # viser lets a box take only as many decimals as its step has
+        if isinstance(handle.value, float | tuple):
+            handle.precision = max(handle.precision, DECIMALS)
         self._bound.append(_Bound(handle, read))
         on_update(
             handle,

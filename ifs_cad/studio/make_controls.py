@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import os
 from collections.abc import Callable
 from functools import partial
 from html import escape
@@ -97,9 +98,7 @@ class MakeControls:
         return partial(step_file, *self._what())
 
     def _workshop_folder(self) -> Work:
-        workshop = Workshop(
-            stock=self._stock.value.strip() or None, tools=self._tools.value.strip() or None
-        )
+        workshop = Workshop(stock=_own(self._stock), tools=_own(self._tools))
         return partial(fabrication_folder, *self._what(), workshop)
 
     def _analysis(self) -> Work:
@@ -136,6 +135,12 @@ class MakeControls:
     def _send(self, client: Any) -> None:
         if self._shown is not None and client is not None:
             client.send_file_download(self._shown.name, self._shown.content, save_immediately=True)
+
+
+def _own(box: Any) -> str | None:
+    """Return the path of a file that is named in a box."""
+    named = box.value.strip()
+    return os.path.expanduser(named) if named else None
 
 
 def _made_html(what: str, made: Made) -> str:

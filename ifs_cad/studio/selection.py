@@ -7,13 +7,11 @@ from functools import lru_cache
 
 from ifs_cad.design_record import Design, DrawnCurve
 from ifs_cad.errors import IfsCadError
+from ifs_cad.studio.bindings import DECIMALS
 from ifs_cad.studio.evaluation import CurveName
 from ifs_cad.studio.handles import CURVES, Key
 
 Place = tuple[float, float, float]
-
-DECIMALS = 4
-"""Of mm, that the boxes show."""
 
 __all__ = ["Place", "Selection", "handles_of", "point_of", "shown"]
 

@@ -6,6 +6,7 @@ file and rename, after which the file that was watched is gone.
 
 from __future__ import annotations
 
+import ast
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -32,6 +33,7 @@ def watch(
     options: Mapping[str, Any],
     listener: Listener,
     report: Report,
+    complain: Report,
 ) -> None:
     """Show a part script, and again after each save of it or of a module beside it.
 
@@ -42,8 +44,8 @@ def watch(
     source : Path
     settings, port, options : of the job "show"
     listener : Listener
-    report : function of a text
-        Hears what came of each save.
+    report, complain : functions of a text
+        Hear what came of each save: that it is shown, or why not.
 
     Raises
     ------
@@ -60,7 +62,7 @@ def watch(
         "port": port,
         "options": {**options, "keep_camera": True},
     }
-    files = {source.resolve()}
+    files = sources(source)
     was_shown = False
     saves = _saves(files)
     try:
@@ -71,22 +73,61 @@ def watch(
                         report(_shown(do, arguments, files, begin))
                         was_shown = True
                     except WorkerError as error:
-                        report(f"Error: {error}")
+                        complain(f"Error: {error}")
                         break
                     except IfsCadError as error:
                         if isinstance(error, ViewerError | MissingLibraryError) and not was_shown:
                             raise
-                        report(f"Error: {error}")
+                        complain(f"Error: {error}")
     except KeyboardInterrupt:
         report(f"No longer watching {source}.")
 
 
 def _shown(do: Job, arguments: dict[str, Any], files: set[Path], begin: float) -> str:
-    """Show the script, and learn which files it is made of."""
-    done = do("show", arguments)
-    files |= {Path(file) for file in done["files"]}
+    """Show the script, which may be made of other files than before."""
+    files |= sources(Path(arguments["source"]))  # also when it fails, to see it mended
+    do("show", arguments)
     seconds = time.monotonic() - begin
     return f"Shown after {seconds:.1f} s. Watching {len(files)} file{'s' * (len(files) > 1)}."
+
+
+def sources(script: Path) -> set[Path]:
+    """Return a part script and the modules beside it that it imports, directly or through them.
+
+    They are read, not run, so that a module which cannot be imported is among them.
+    """
+    script = script.resolve()
+    found: set[Path] = set()
+    waiting = [script]
+    while waiting:
+        file = waiting.pop()
+        if file in found or not (file == script or file.is_file()):
+            continue
+        found.add(file)
+        if file.suffix == ".py":
+            with suppress(OSError, SyntaxError, ValueError):
+                waiting += _imported(ast.parse(file.read_bytes()), script.parent, file)
+    return found
+
+
+def _imported(tree: ast.Module, folder: Path, file: Path) -> Iterator[Path]:
+    """Yield where the modules that a file imports are, if they are beside the script."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names, start = [alias.name for alias in node.names], folder
+        elif isinstance(node, ast.ImportFrom):
+            names = [".".join(filter(None, [node.module, alias.name])) for alias in node.names]
+            start = file.parents[node.level - 1] if node.level else folder
+        else:
+            continue
+        for name in names:
+            place = start
+            for part in name.split("."):
+                if place == folder and part == "ifs_cad":  # beside a script in a clone
+                    break
+                place = place / part
+                yield place.with_suffix(".py")
+                yield place / "__init__.py"
 
 
 def _saves(files: set[Path]) -> Iterator[float]:

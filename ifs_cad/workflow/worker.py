@@ -204,18 +204,21 @@ def show(
     from ifs_cad.view.preview import show as send
 
     folder, before = Path(source).resolve().parent, set(sys.modules)
-    files = [str(Path(source).resolve())]
     try:
         model = _model(source, settings)
     finally:
         for name in set(sys.modules) - before:
             place = getattr(sys.modules[name], "__file__", None)
-            if place and folder in Path(place).resolve().parents and "site-packages" not in place:
-                files.append(place)
+            # a script in a clone has this package beside it, which is not the script's
+            if place and folder in Path(place).resolve().parents and not _is_lasting(name, place):
                 del sys.modules[name]
     progress.report("showing")
     send(model, Path(source).stem, port=port, **options)
-    return {"files": files}
+    return {}
+
+
+def _is_lasting(module: str, place: str) -> bool:
+    return module.partition(".")[0] == "ifs_cad" or "site-packages" in place
 
 
 def check(path: str) -> dict[str, Any]:
