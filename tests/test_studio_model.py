@@ -599,6 +599,8 @@ def test_evaluation_never_fails(design):
     assert seen.panels is not None or not seen.can_be_built
     for problem in seen.problems:
         assert problem.message
-        assert len(problem.faces) == len(problem.points) or problem.curve
+        # of faces that have no place the corners beside them are marked
+        has_gaps = not np.isfinite(seen.vertices).all()
+        assert len(problem.faces) == len(problem.points) or problem.curve or has_gaps
     if seen.can_be_built:
         assert len(design.shell()) == len(seen.shell)

@@ -262,7 +262,7 @@ def test_the_newest_state_wins() -> None:
     begun, go_on = threading.Event(), threading.Event()
     computed, shown = [], []
 
-    def compute(design: Any, *, panels: bool) -> Any:
+    def compute(design: Any, *, panels: bool, superseded: Any) -> Any:
         computed.append(design.thickness)
         begun.set()
         assert go_on.wait(PATIENCE)
@@ -297,7 +297,7 @@ def test_a_failure_is_said_and_does_not_end_the_worker() -> None:
     said: list[str] = []
     shown: list[float] = []
 
-    def compute(design: Any, *, panels: bool) -> Evaluation:
+    def compute(design: Any, *, panels: bool, superseded: Any) -> Evaluation:
         if design.thickness == 1.0:
             raise RuntimeError("out of luck")
         return evaluate(design, panels=False)

@@ -191,6 +191,8 @@ def show(
     with display(quiet) as listener:
         arguments = {"source": str(model), "settings": chosen, "port": port, "options": options}
         run("show", arguments, listener)
+    if not quiet:
+        typer.echo(f"Shown: {model}")
 
 
 def studio(
@@ -202,6 +204,10 @@ def studio(
     ] = None,
 ) -> None:
     """Shape a shell in a page of the browser, until Ctrl-C. This machine only."""
+    from ifs_cad.design_file import SUFFIX
     from ifs_cad.studio.run import run
+
+    if design is not None and design.suffix.lower() != SUFFIX:
+        raise typer.BadParameter(f"A design file ends in {SUFFIX}: {design}{SUFFIX}.")
 
     run(design, port, typer.echo)

@@ -6,14 +6,14 @@ the place, and everything before it is still there to be drawn.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
 
-from ifs_cad.design.address import listed, surface_addresses
+from ifs_cad.design.address import listed
 from ifs_cad.design.curve import Curve
 from ifs_cad.design.mesh import Mesh
 from ifs_cad.design.surface import vector_sum
@@ -25,6 +25,7 @@ from ifs_cad.elements.panel import Shell
 from ifs_cad.elements.report import Report
 from ifs_cad.errors import FloorError, HoleError, IfsCadError, WeightError
 from ifs_cad.studio.display import MOST_FACES, PanelView, label_lines, panel_view
+from ifs_cad.studio.surface import Surface, beside_gaps, summed, surface_of
 from ifs_cad.types import FloatArray, IntArray
 
 CurveName = Literal["a", "b"]
@@ -32,7 +33,11 @@ CurveName = Literal["a", "b"]
 MOST_CLASHES = 64
 """So many pairs of panels that may run into each other are looked at closely."""
 
-__all__ = ["CurveName", "CurveView", "Evaluation", "Problem", "evaluate"]
+__all__ = ["CurveName", "CurveView", "Evaluation", "Problem", "SupersededError", "evaluate"]
+
+
+class SupersededError(Exception):
+    """Nobody waits for an evaluation any more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,17 +134,9 @@ class Evaluation:
         return all(problem.severity != "error" for problem in self.problems)
 
 
-@dataclass(frozen=True, eq=False)
-class _Surface:
-    """The grid of a sum, with the faces that have a place, whatever else is wrong with them."""
-
-    shape: tuple[int, int] = (0, 0)
-    vertices: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
-    faces: IntArray = field(default_factory=lambda: np.empty((0, 4), dtype=np.int64))
-    addresses: tuple[str, ...] = ()
-
-
-def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
+def evaluate(
+    design: Design, *, panels: bool = True, superseded: Callable[[], bool] = lambda: False
+) -> Evaluation:
     """Return what a design looks like and what is wrong with it.
 
     Parameters
@@ -148,11 +145,18 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
     panels : bool
         Also make panels, labels and the report; without, only curves and surface, which is what
         can follow a mouse.
+    superseded : callable
+        Tells whether nobody waits for the answer any more; asked between the longer parts.
+
+    Raises
+    ------
+    SupersededError
+        Nobody does.
     """
     view_a, curve_a, wrong_a = _curve_view("a", design.a)
     view_b, curve_b, wrong_b = _curve_view("b", design.b)
     problems = [*wrong_a, *wrong_b]
-    surface, shell, labels = _Surface(), None, _no_labels()
+    surface, shell, labels = Surface(), None, _no_labels()
     mesh: Mesh | None = None
     if curve_a is not None and curve_b is not None:
         view_b = replace(view_b, shift=curve_a.points[0] - curve_b.points[0])
@@ -167,21 +171,25 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
         else:
             try:
                 mesh = vector_sum(curve_a, curve_b)
-                surface = _surface_of(mesh, (curve_a.segments, curve_b.segments))
+                surface = surface_of(mesh, (curve_a.segments, curve_b.segments))
             except WeightError as error:
-                surface = _surface(curve_a, curve_b)
-                marked = _beside_gaps(surface)
+                surface = summed(curve_a, curve_b)
+                marked = beside_gaps(surface)
                 problems.append(Problem(str(error), "error", None, error.addresses, points=marked))
             except IfsCadError as error:
-                surface = _surface(curve_a, curve_b)
+                surface = summed(curve_a, curve_b)
                 problems.append(_at(surface, error))
     # none of a curve that only stands in for the drawn one
     drawn = all(problem.severity != "error" for problem in problems)
     if mesh is not None and drawn and panels:
+        _go_on(superseded)
         shell = _shell(design, mesh, surface, problems)
         if shell is not None:
+            _go_on(superseded)
             _find_clashes(shell, surface, problems)
+            _go_on(superseded)
             labels = _labels(design, shell, surface, problems)
+            _go_on(superseded)
     return Evaluation(
         view_a,
         view_b,
@@ -195,6 +203,11 @@ def evaluate(design: Design, *, panels: bool = True) -> Evaluation:
         None if shell is None else shell.report(),
         tuple(problems),
     )
+
+
+def _go_on(superseded: Callable[[], bool]) -> None:
+    if superseded():
+        raise SupersededError
 
 
 @lru_cache(2)  # one of the curves stays while the other is dragged
@@ -257,51 +270,7 @@ def _marked(curve: Curve, error: IfsCadError) -> FloatArray:
     return curve.points[:-1][named]
 
 
-def _surface_of(mesh: Mesh, shape: tuple[int, int]) -> _Surface:
-    """Return the faces of a sum that can be built."""
-    return _Surface(shape, mesh.vertices, mesh.corners.reshape(-1, 4), mesh.addresses)
-
-
-def _surface(a: Curve, b: Curve) -> _Surface:
-    """Sum two curves without asking whether the sum can be built.
-
-    It is the sum of `vector_sum`, face by face as far as weights allow.
-    """
-    rows_a, rows_b = a.homogeneous, b.homogeneous
-    start = rows_a[0, 1:] / rows_a[0, 0]
-    moved = rows_b.copy()
-    moved[:, 1:] += rows_b[:, :1] * (start - rows_b[0, 1:] / rows_b[0, 0])
-    moved *= rows_a[0, 0] / rows_b[0, 0]
-    grid = (rows_a[:, None] + (moved - rows_a[0])).reshape(-1, 4)
-    good = grid[:, 0] > a.tol.weight * np.abs(grid[:, 0]).max()
-    points = np.full((len(grid), 3), np.nan)
-    points[good] = grid[good, 1:] / grid[good, :1]
-    shape = (len(rows_a) - 1, len(rows_b) - 1)
-    faces = _corners(shape)
-    whole = good[faces].all(axis=1)
-    names = surface_addresses(a.word_structure, b.word_structure)
-    if not whole.all():
-        names = [names[i] for i in np.flatnonzero(whole)]
-    return _Surface(shape, points, faces[whole], tuple(names))
-
-
-def _corners(shape: tuple[int, int]) -> IntArray:
-    """Return the (f, 4) corners of all faces of a grid."""
-    rows, columns = shape
-    number = np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1)
-    around = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
-    return np.stack(around, axis=-1).reshape(-1, 4)
-
-
-def _beside_gaps(surface: _Surface) -> FloatArray:
-    """Return the (n, 3) corners that do have a place of faces that have none, mm."""
-    finite = np.isfinite(surface.vertices[:, 0])
-    around = _corners(surface.shape)
-    missing = around[~finite[around].all(axis=1)]
-    return surface.vertices[np.intersect1d(missing, np.flatnonzero(finite))]
-
-
-def _shell(design: Design, mesh: Mesh, surface: _Surface, problems: list[Problem]) -> Shell | None:
+def _shell(design: Design, mesh: Mesh, surface: Surface, problems: list[Problem]) -> Shell | None:
     thickening = design.thickening
     try:
         shell = thickening(mesh)
@@ -330,7 +299,7 @@ def _shell(design: Design, mesh: Mesh, surface: _Surface, problems: list[Problem
     return shell
 
 
-def _find_clashes(shell: Shell, surface: _Surface, problems: list[Problem]) -> None:
+def _find_clashes(shell: Shell, surface: Surface, problems: list[Problem]) -> None:
     """Name panels that share volume, without looking at all pairs of a design gone wild."""
     solids = shell.solids
     near, far = neighbours_at_nodes(shell), overlapping(*boxes(solids))
@@ -358,7 +327,7 @@ def _no_labels() -> tuple[FloatArray, FloatArray]:
 
 
 def _labels(
-    design: Design, shell: Shell, surface: _Surface, problems: list[Problem]
+    design: Design, shell: Shell, surface: Surface, problems: list[Problem]
 ) -> tuple[FloatArray, FloatArray]:
     """Return the strokes of the labels, and say where labels or holes have no room."""
     label = design.label
@@ -381,12 +350,12 @@ def _labels(
         return _no_labels()
 
 
-def _at(surface: _Surface, error: IfsCadError) -> Problem:
+def _at(surface: Surface, error: IfsCadError) -> Problem:
     return _marking(surface, str(error), error.addresses, "error")
 
 
 def _marking(
-    surface: _Surface,
+    surface: Surface,
     message: str,
     addresses: Iterable[str],
     severity: Literal["error", "warning"],

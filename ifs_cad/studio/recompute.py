@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Callable
 
 from ifs_cad.errors import IfsCadError
-from ifs_cad.studio.evaluation import Evaluation, evaluate
+from ifs_cad.studio.evaluation import Evaluation, SupersededError, evaluate
 from ifs_cad.studio.session import Snapshot
 
 Show = Callable[[Snapshot, Evaluation], None]
@@ -32,7 +32,7 @@ class Recomputer:
         Takes a text when evaluating or showing fails for a reason that is not the design's. The
         thread goes on with the next snapshot.
     compute : callable
-        As `evaluate`.
+        As `evaluate`; what it raises when it is superseded is passed over.
     """
 
     def __init__(
@@ -78,9 +78,17 @@ class Recomputer:
         while (snapshot := self._next()) is not None:
             try:
                 panels = not snapshot.gesture
-                self._show(snapshot, self._compute(snapshot.design, panels=panels))
+                evaluation = self._compute(
+                    snapshot.design, panels=panels, superseded=self._is_superseded
+                )
+                self._show(snapshot, evaluation)
+            except SupersededError:
+                continue
             except Exception as error:
                 self._failed(_words(error))
+
+    def _is_superseded(self) -> bool:
+        return self._newest is not None
 
     def _next(self) -> Snapshot | None:
         with self._changed:

@@ -109,9 +109,9 @@ def show(
             f"A viewer is only spoken to on this machine ({' or '.join(HOSTS)}), not on {host!r}."
         )
     viewer = _Viewer(_port(port))
-    view = view_of(thing, colour, explode)
     client = _client()
-    begins = viewer.expect_listening()
+    begins = viewer.expect_listening()  # before a colour is computed, which may take its time
+    view = view_of(thing, colour, explode)
     now = datetime.now().time().isoformat(timespec="milliseconds")
     title = f"{name.replace('/', '-')} {now}"
     assembly, stand_ins = (view.assembly, {}) if exact else _with_stand_ins(view)
