@@ -205,6 +205,30 @@ def test_the_arrays_of_a_preview_are_the_panels_that_the_kernel_makes() -> None:
     assert len(marks["holes"]) == 8 * drilled  # circles of 8 lines on the marked face
 
 
+def test_the_legend_stands_beside_the_model_with_its_values_written() -> None:
+    shell = small_shell().metadata["elements"]
+    [group] = view_of(shell, "area").groups
+    instances: list[dict[str, Any]] = []
+    legend = tree(group, "/x", NOWHERE, instances)["parts"][-1]
+    *fields, values = legend["parts"]
+    assert legend["name"] == "area, m2"
+    assert [field["name"] for field in fields] == [text for text, _ in group.colouring.ticks()]
+    high = shell.solids.vertices.max(axis=0)
+    corners = []
+    for made in instances[-len(fields) :]:
+        packed = made["vertices"]
+        points = np.frombuffer(base64.b64decode(packed["buffer"]), packed["dtype"]).reshape(-1, 3)
+        assert (points.min(axis=0)[:2] > high[:2]).all()
+        corners.append(points)
+    lines = lines_of(values)
+    heights = lines[..., 2].mean(axis=1)
+    for points in corners:  # a value beside each field, and none through it
+        low, top = points[:, 2].min(), points[:, 2].max()
+        beside = lines[(heights > low) & (heights < top)]
+        assert len(beside)
+        assert (beside[..., 1] > points[:, 1].max()).all()
+
+
 def test_triangles_face_outwards_and_enclose_the_volume_of_the_panel() -> None:
     [group] = view_of(small_shell()).groups
     instances: list[dict[str, Any]] = []

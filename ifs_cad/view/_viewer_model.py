@@ -8,17 +8,17 @@ is made here follows the format of three-cad-viewer, version 3, which all OCP vi
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ifs_cad.elements.arcs import Segments
+from ifs_cad.elements.arcs import Path, Segments
 from ifs_cad.elements.colouring import Colouring
 from ifs_cad.elements.cutting import CuttingFrames, cutting_frames
-from ifs_cad.elements.glyph import bar, descent, text_paths, traced
+from ifs_cad.elements.glyph import CHARACTERS, bar, descent, text_paths, traced
 from ifs_cad.elements.label import place_labels
 from ifs_cad.elements.polyhedron import Polyhedra
 from ifs_cad.kernel.assembly import STROKES_SUFFIX, modified_parts
@@ -33,7 +33,7 @@ MARK_WIDTH = 1
 ARC_PARTS = 6
 CIRCLE_PARTS = 8  # a prototype has a thousand holes, and software draws lines slowly
 KNOWN_TEXTS = 4096  # addresses stay the same from one save of a script to the next
-SWATCH = 0.02  # height of a field of the legend, share of the model's size
+SWATCH = 0.03  # height of a field of the legend, share of the model's size
 
 
 def is_plain(group: Group) -> bool:
@@ -236,7 +236,12 @@ def _owners(strokes: list[FloatArray]) -> NDArray[np.int64]:
 def _text_lines(text: str) -> FloatArray:
     """Return (n, 2, 2) float: a text and its bar as straight lines, cap height 1."""
     paths, width = text_paths(text)
-    segments = Segments.of(traced((*paths, bar(width, descent(text)))))
+    return _straight((*paths, bar(width, descent(text))))
+
+
+def _straight(paths: Iterable[Path]) -> FloatArray:
+    """Return (n, 2, 2) float: strokes as straight lines."""
+    segments = Segments.of(traced(tuple(paths)))
     parts = np.where(segments.is_line, 1, ARC_PARTS)
     which = np.repeat(np.arange(len(segments)), parts)
     step = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -267,19 +272,36 @@ def _lines(name: str, path: str, lines: FloatArray) -> Node:
 
 
 def _legend(colouring: Colouring, path: str, points: FloatArray, instances: list[Node]) -> Node:
-    """Return a column of coloured fields beside the model, named by their values in the tree."""
+    """Return a column of coloured fields with their values, right of the model as first seen.
+
+    The first view is from the side of +x and -y: the corner of most x and most y is on the right.
+    """
     low, high = points.min(axis=0), points.max(axis=0)
     side = SWATCH * float(np.linalg.norm(high - low))
     here = f"{path}/{colouring.title.replace('/', ' per ')}"
-    fields = []
-    for number, (text, colour) in enumerate(colouring.ticks()):
-        corner = np.array([high[0] + 2 * side, low[1], low[2] + 1.2 * side * number])
+    ticks = colouring.ticks()
+    front, right, up = (side * axis for axis in np.eye(3))
+    corner = np.array([high[0] + side, high[1] + side, low[2]])
+    fields, written = [], []
+    for number, (text, colour) in enumerate(ticks):
         made = _box(corner, side)
         leaf = _leaf(text, f"{here}/{number} {text}", len(instances), None)
         leaf["color"] = "#" + "".join(f"{part:02x}" for part in colour)
         instances.append(made)
         fields.append(leaf)
-    return _branch(here, fields)
+        written.append(_upright(text, corner + front + 1.4 * right + 0.2 * up, 0.6 * side))
+        corner = corner + 1.2 * up
+    written.append(_upright(colouring.title, corner + front + 0.9 * up, 0.6 * side))
+    return _branch(here, [*fields, _lines("values", here, np.concatenate(written))])
+
+
+def _upright(text: str, corner: FloatArray, height: float) -> FloatArray:
+    """Return (n, 2, 3) float: a text along y, standing along z, as far as there are strokes."""
+    known = "".join(letter for letter in text if letter in CHARACTERS).strip()
+    if not known:
+        return np.empty((0, 2, 3))
+    flat = height * _straight(text_paths(known)[0])
+    return corner + np.concatenate([np.zeros((*flat.shape[:2], 1)), flat], axis=-1)
 
 
 def _box(corner: FloatArray, side: float) -> Node:

@@ -81,7 +81,7 @@ def show(
         Root of that tree. The time is added to it, to tell this call from the others.
     colour : str or Colouring
         "material", a quantity of `colouring` or values of one's own. The legend is a column of
-        coloured fields beside the model, with their values in the tree.
+        coloured fields beside the model, with their values beside them and in the tree.
     explode : float or sequence of float
         How far sub-assemblies move apart, see `explosion`.
     exact : bool
