@@ -301,7 +301,7 @@ def _upright(text: str, corner: FloatArray, height: float) -> FloatArray:
     if not known:
         return np.empty((0, 2, 3))
     flat = height * _straight(text_paths(known)[0])
-    return corner + np.concatenate([np.zeros((*flat.shape[:2], 1)), flat], axis=-1)
+    return np.asarray(corner + np.concatenate([np.zeros((*flat.shape[:2], 1)), flat], axis=-1))
 
 
 def _box(corner: FloatArray, side: float) -> Node:
