@@ -42,7 +42,19 @@ VIEWER_LIBRARIES = {"ocp_tessellate", "ocp_viewer", "ocp_viewer_core", "ocp_vsco
 MAY_IMPORT_THE_VIEWER = {"ifs_cad.view.preview"}
 PAGE_LIBRARIES = {"viser"}
 MAY_IMPORT_THE_PAGE = {"ifs_cad.studio.server", "ifs_cad.studio.run"}
-STUDIO_WITHOUT_A_PAGE = ("model", "editing", "evaluation", "session", "recompute", "access", "jobs")
+STUDIO_WITHOUT_A_PAGE = (
+    *(
+        "model",
+        "editing",
+        "evaluation",
+        "kept",
+        "replacing",
+        "session",
+        "recompute",
+        "access",
+        "jobs",
+    ),
+)
 MAY_LOAD_SCIPY = {"ifs_cad.elements.clash"}
 
 

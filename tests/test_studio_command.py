@@ -11,13 +11,21 @@ import sys
 import threading
 import urllib.request
 from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from ifs_cad.design_file import presets, write_design
 from ifs_cad.errors import InputError, MissingLibraryError
+from ifs_cad.studio import run as studio_run
+from ifs_cad.studio.model import autosave_path
 from ifs_cad.studio.run import run
+from ifs_cad.studio.session import Session
 
+PLAIN = presets()["figure_17_offset_mesh"]
 PATIENCE = 120  # seconds
 
 
@@ -71,6 +79,37 @@ def test_it_serves_until_it_is_interrupted(
     assert process.returncode == 0
     assert rest.strip() == "The studio has ended."
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_it_says_at_the_end_is_where_everything_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("viser", reason="the studio's page is not installed (extra 'studio')")
+    path = write_design(PLAIN, tmp_path / "shell.toml")
+    left = write_design(replace(PLAIN, thickness=12.0), autosave_path(path))
+    said: list[str] = []
+    opened = studio_run.opened
+
+    @contextmanager
+    def edited(*arguments: Any) -> Iterator[studio_run.Studio]:
+        with opened(*arguments) as studio:
+            studio.session.edit(lambda model: model.set_thickness(50.0))
+            yield studio
+
+    def say(text: str) -> None:
+        said.append(text)
+        if "Ctrl-C ends it" in text:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(studio_run, "opened", edited)
+    run(path, say=say)
+    own = autosave_path(path, 2)
+    assert said[0] == f"A design that was not saved is in {left}; the page asks."
+    assert said[-2] == f"Not saved; the next start offers it from {own}."
+    assert f"still in {left}" in said[-1]
+    assert {file.name for file in tmp_path.iterdir()} == {path.name, left.name, own.name}
+    offered = {found.file: found.design.thickness for found in Session(path).found}
+    assert offered == {own: 50.0, left: 12.0}
 
 
 def test_a_port_that_is_taken_is_a_clear_error(

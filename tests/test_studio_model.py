@@ -338,8 +338,20 @@ def test_save_and_load(tmp_path):
     other.load(path)
     assert other.design == state.design
     assert other.is_saved
-    other.undo()
+    other.set_thickness(8.0)
     assert not other.is_saved
+
+
+def test_the_history_ends_where_a_file_is_read(tmp_path):
+    path = model().save(tmp_path / "design.toml")
+    other = StudioModel()
+    other.set_thickness(9.0)
+    other.undo()
+    other.load(path)
+    assert not other.can_undo
+    assert not other.can_redo
+    assert not other.undo()
+    assert other.design == read_design(path)
 
 
 def test_autosave_survives_until_the_design_is_saved(tmp_path):

@@ -252,20 +252,46 @@ def test_what_a_crash_left_is_asked_about_until_it_is_decided(page: Page) -> Non
     page.press("Open")
     asked = page.page.get_by_role("dialog")
     asked.wait_for()
+    page.session.edit(lambda model: model.set_thickness(50.0))
+    own = autosave_path(other, 2)
+    page.wait_for(own.exists)
+    assert read_design(own).thickness == 50.0
     page.page.reload()
     page.page.get_by_text("can be built").wait_for()
-    assert asked.count() == 0
-    page.tab("File")
-    page.press("Save")
-    page.page.get_by_text("First go on with it, or remove it").wait_for()
     asked.wait_for()
     assert read_design(kept).thickness == 25.0
     asked.get_by_role("button", name="Go on with it").click()
     page.wait_for(lambda: page.design.thickness == 25.0)
     asked.wait_for(state="hidden")
+    page.page.reload()
+    page.page.get_by_text("can be built").wait_for()
+    page.tab("File")
+    assert asked.count() == 0
     page.press("Save")
     page.wait_for(lambda: not kept.exists())
     assert read_design(other).thickness == 25.0
+    assert read_design(own).thickness == 50.0
+    page.session.open(before)
+
+
+def test_a_figure_does_not_replace_the_open_file(
+    page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where a design without a file is kept
+    before = page.session.path
+    assert before is not None
+    text = before.read_bytes()
+    page.tab("File")
+    page.type("Path", str(before))
+    page.press("Take this figure")
+    page.page.get_by_text("no file yet: not saved").wait_for()
+    figure = page.design
+    assert figure != DESIGN
+    page.press("Save")
+    page.page.get_by_text("Press once more to replace it").wait_for()
+    assert before.read_bytes() == text
+    page.press("Undo")
+    page.wait_for(lambda: page.design == DESIGN)
     page.session.open(before)
 
 

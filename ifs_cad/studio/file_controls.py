@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ifs_cad.design_file import SUFFIX, format_design, parse_design, presets
+from ifs_cad.design_record import Design
 from ifs_cad.design_script import to_script
 from ifs_cad.errors import IfsCadError, InputError
 from ifs_cad.studio.bindings import Bindings
-from ifs_cad.studio.events import on_click, on_upload
+from ifs_cad.studio.events import on_click, on_update, on_upload
 from ifs_cad.studio.session import UNTITLED, Session, Snapshot
 from ifs_cad.studio.words import small_html
 
@@ -40,7 +41,8 @@ class FileControls:
         self._session = session
         self._tell = tell
         self._fit = fit
-        self._to_replace: Path | None = None
+        self._gui = gui
+        self._asked: Any = None
         with gui.add_folder("Figures of the paper"):
             self._presets(gui)
         with gui.add_folder("Design file on this machine"):
@@ -49,53 +51,68 @@ class FileControls:
             self._transfers(gui)
         bindings.follow(self._follow)
 
-    def offer_found(self, gui: Any) -> None:
-        """Ask what to do with a design that a crash has left, if there is one."""
+    def tell_beside(self) -> None:
+        """Say what was found beside the file that is open now, and ask what to do with it."""
+        if self._session.shared:
+            self._say("Open in another studio", self._session.shared, "Go on beside it")
         if self._session.aside:
-            self._say_moved_aside(gui)
-        if self._session.found is None:
+            self._say("A design that cannot be read", self._session.aside, "Go on without it")
+        self._offer_found()
+
+    def _offer_found(self) -> None:
+        """Ask about a design that a crash has left, on every page until somebody decides."""
+        if self._asked is not None:
+            self._asked.close()
+            self._asked = None
+        if not self._session.found:
             return
-        modal = gui.add_modal("A design that was not saved")
-        with modal:
-            gui.add_markdown(
-                "The studio ended the last time without this design being saved. It was kept in "
-                f"`{self._session.autosave_file}`."
+        found, *others = self._session.found
+        self._asked = self._gui.add_modal("A design that was not saved")
+        with self._asked:
+            self._gui.add_markdown(
+                "The studio ended, or another file was opened, without this design being saved. "
+                f"It was kept in `{found.file}`."
             )
-            back, drop = gui.add_button("Go on with it"), gui.add_button("Remove it", color="gray")
+            for other in others:
+                self._gui.add_markdown(f"The next question is about `{other.file}`, an older one.")
+            back = self._gui.add_button("Go on with it")
+            drop = self._gui.add_button("Remove it", color="gray")
 
-        def take(_: Any) -> None:
-            modal.close()
+        def take() -> None:
             self._fit()
-            self._session.take_found()
-            self._bindings.sync()
+            self._session.take_found(found)
 
-        def remove(event: Any) -> None:
-            modal.close()
-            self._try(event.client, self._session.drop_found)
+        def decide(client: Any, decision: Callable[[], None]) -> None:
+            self._try(client, decision)
+            self._offer_found()
 
-        on_click(back, take)
-        on_click(drop, remove)
+        on_click(back, lambda event: decide(event.client, take))
+        on_click(drop, lambda event: decide(event.client, lambda: self._session.drop_found(found)))
 
-    def _say_moved_aside(self, gui: Any) -> None:
-        modal = gui.add_modal("A design that cannot be read")
+    def _say(self, title: str, text: str, answer: str) -> None:
+        modal = self._gui.add_modal(title)
         with modal:
-            gui.add_html(small_html(self._session.aside))
-            on_click(gui.add_button("Go on without it"), lambda _: modal.close())
+            self._gui.add_html(small_html(text))
+            on_click(self._gui.add_button(answer), lambda _: modal.close())
 
     def _presets(self, gui: Any) -> None:
         titles = {f"{design.title}": design for design in presets().values()}
         chosen = gui.add_dropdown("Figure", tuple(titles), initial_value=list(titles)[-1])
         take = gui.add_button("Take this figure", hint="Undo brings the present design back.")
+        on_click(
+            take,
+            lambda event: self._try(event.client, lambda: self._take(titles[chosen.value])),
+        )
 
-        def take_figure(_: Any) -> None:
-            self._fit()
-            self._bindings.edit(lambda model: model.take(titles[chosen.value]))
-
-        on_click(take, take_figure)
+    def _take(self, design: Design) -> None:
+        self._fit()
+        self._session.take(design)
+        self._offer_found()
 
     def _files(self, gui: Any) -> None:
         start = self._session.path or Path(UNTITLED).absolute()
         self._path = gui.add_text("Path", str(start))
+        on_update(self._path, lambda _: self._session.withdraw())
         self._saved = gui.add_html("")
         buttons = gui.add_button_group("File", ("Save", "Save as", "Open"))
         buttons.hint = "Save writes the file that is open; the others use the path above."
@@ -131,9 +148,7 @@ class FileControls:
             text = file.content.decode("utf-8")
         except UnicodeDecodeError as error:
             raise InputError(f"{file.name} is not UTF-8 text: {error}.") from error
-        design = parse_design(text, file.name)
-        self._fit()
-        self._session.edit(lambda model: model.take(design))
+        self._take(parse_design(text, file.name))
 
     def _save(self, client: Any) -> None:
         if self._session.path is None:
@@ -142,22 +157,17 @@ class FileControls:
             self._save_to(client, self._session.path)
 
     def _save_as(self, client: Any) -> None:
-        target = self._target()
-        if target.exists() and target != self._session.path and target != self._to_replace:
-            self._to_replace = target
-            raise InputError(f"{target} exists. Press once more to replace it.")
-        self._to_replace = None
-        self._save_to(client, target)
+        self._save_to(client, self._target())
 
     def _save_to(self, client: Any, target: Path) -> None:
-        if self._session.found is not None:  # asked of another client, or before a reload
-            self.offer_found(client.gui)
         self._tell(client, "Saved", str(self._session.save(target)), True)
+        if self._asked is not None and not self._session.found:
+            self._offer_found()
 
     def _open(self, client: Any) -> None:
         self._fit()
         self._session.open(self._target())
-        self.offer_found(client.gui)
+        self.tell_beside()
 
     def _target(self) -> Path:
         text = self._path.value.strip()

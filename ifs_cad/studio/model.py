@@ -33,10 +33,19 @@ FIRST_PRESET = "figure_21_prototype"
 __all__ = ["StudioModel", "autosave_path", "recover"]
 
 
-def autosave_path(path: str | os.PathLike[str]) -> Path:
-    """Return where the studio saves a design by itself: beside its file."""
+def autosave_path(path: str | os.PathLike[str], number: int = 1) -> Path:
+    """Return where the studio saves a design by itself: beside its file.
+
+    Parameters
+    ----------
+    path : path
+        The design file.
+    number : int
+        Of several such places, the first by default.
+    """
     target = Path(path)
-    return target.with_name(f".{target.stem}.autosave{target.suffix}")
+    ending = "" if number == 1 else f"-{number}"
+    return target.with_name(f".{target.stem}.autosave{ending}{target.suffix}")
 
 
 def recover(path: str | os.PathLike[str]) -> Design | None:
@@ -232,7 +241,9 @@ class StudioModel:
         return target
 
     def load(self, path: str | os.PathLike[str]) -> None:
-        """Read a design file; it can be undone.
+        """Read a design file; the history of the former design ends.
+
+        A step back would put another design where saving replaces the file that was read.
 
         Raises
         ------
@@ -240,6 +251,8 @@ class StudioModel:
             It cannot be read; the message says why.
         """
         self.take(read_design(path))
+        self._past.clear()
+        self._future.clear()
         self._saved = self._design
 
     def autosave(self) -> bool:
@@ -258,11 +271,18 @@ class StudioModel:
         self._kept = self._design
         return True
 
-    def keep_in(self, path: str | os.PathLike[str]) -> None:
-        """Write the autosave to another file from now on; the former one is left alone."""
+    def keep_in(self, path: str | os.PathLike[str], holds: Design | None = None) -> None:
+        """Write the autosave to another file from now on; the former one is left alone.
+
+        Parameters
+        ----------
+        path : path
+        holds : Design, optional
+            What that file holds; nothing that matters by default.
+        """
         if self._autosave != Path(path):
             self._autosave = Path(path)
-            self._kept = self._saved
+            self._kept = self._saved if holds is None else holds
 
     def discard_autosave(self) -> None:
         """Remove the autosave, when all is saved or the designer does not want it back."""

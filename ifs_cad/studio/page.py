@@ -105,7 +105,7 @@ class StudioPage:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(390)
         panel.float(x=12, y=12, width=350)
-        files.offer_found(gui)
+        files.tell_beside()
         actions = {"Undo": self._undo, "Redo": self._redo, "Fit view": self._fit}
         on_click(history, lambda event: actions[event.target.value]())
         for label, key, modifier in (

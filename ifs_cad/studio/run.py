@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,16 +59,17 @@ def opened(path: str | os.PathLike[str] | None = None, port: int | None = None) 
         The port is taken.
     """
     require("viser", "the studio", "studio")
-    session = Session(path)
-    server, gate = load("ifs_cad.studio.server").open_server(port)
-    try:
-        page = load("ifs_cad.studio.page").StudioPage(server, session)
+    require("filelock", "the studio", "studio")
+    with closing(Session(path)) as session:
+        server, gate = load("ifs_cad.studio.server").open_server(port)
         try:
-            yield Studio(gate.address, session, server, page)
+            page = load("ifs_cad.studio.page").StudioPage(server, session)
+            try:
+                yield Studio(gate.address, session, server, page)
+            finally:
+                page.close()
         finally:
-            page.close()
-    finally:
-        server.close()
+            server.close()
 
 
 def run(
@@ -91,10 +92,15 @@ def run(
             say(f"{session.path} does not exist yet; saving makes it.")
         if session.aside:
             say(session.aside)
-        if session.found is not None:
-            say(f"A design that was not saved is in {session.autosave_file}; the page asks.")
-        say(f"The studio is open on this machine only:\n\n    {studio.address}\n\nCtrl-C ends it.")
+        if session.shared:
+            say(session.shared)
+        for remainder in session.found:
+            say(f"A design that was not saved is in {remainder.file}; the page asks.")
         try:
+            say(
+                f"The studio is open on this machine only:\n\n    {studio.address}\n\n"
+                "Ctrl-C ends it."
+            )
             threading.Event().wait()
         except KeyboardInterrupt:
             say("")
@@ -102,3 +108,5 @@ def run(
         say("The studio has ended.")
     else:
         say(f"Not saved; the next start offers it from {session.autosave_file}.")
+    for file in session.left_behind:
+        say(f"What was not saved before is still in {file}; opening its design offers it.")

@@ -13,13 +13,16 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from ifs_cad.design_file import read_design
 from ifs_cad.design_record import Design
-from ifs_cad.errors import ExportError, InputError
-from ifs_cad.studio.model import StudioModel, autosave_path, recover
+from ifs_cad.errors import ExportError, IfsCadError, InputError
+from ifs_cad.studio.kept import Beside, Place, Remainder, look_beside, remaining_files
+from ifs_cad.studio.model import StudioModel, recover
+from ifs_cad.studio.replacing import ReplaceGuard, is_same_file
 
 QUIET_SECONDS = 0.6
 """A gesture without a mouse button ends after so long without an edit."""
@@ -81,16 +84,17 @@ class Session:
         self._gesture = ""
         self._is_held = False
         self._edited = 0.0
+        self._guard = ReplaceGuard(self.path)
         exists = self.path is not None and self.path.exists()
         self._model = StudioModel(read_design(self.path) if self.path and exists else None)
-        self._found: Design | None = None
-        self._aside = ""
-        self._keep_beside(self.path, _left(self.autosave_file))
+        self._found: tuple[Remainder, ...] = ()
+        self._left_behind: list[Path] = []
+        self._keep_beside(look_beside(self._home))
 
     @property
     def autosave_file(self) -> Path:
         """Where the design is kept by itself."""
-        return autosave_path(self.path or UNTITLED)
+        return self._place.file
 
     @property
     def stem(self) -> str:
@@ -98,9 +102,27 @@ class Session:
         return (self.path or Path(UNTITLED)).stem
 
     @property
-    def found(self) -> Design | None:
-        """What a crash has left, until `take_found` or `drop_found` decides about it."""
+    def found(self) -> tuple[Remainder, ...]:
+        """What a crash has left, newest first; `take_found` and `drop_found` decide about it."""
         return self._found
+
+    @property
+    def left_behind(self) -> list[Path]:
+        """Files that hold what was neither saved nor removed, besides the design as it is."""
+        files = [*(remainder.file for remainder in self._found), *self._left_behind]
+        own = self.autosave_file
+        return [file for file in dict.fromkeys(files) if file != own and file.exists()]
+
+    @property
+    def shared(self) -> str:
+        """What to tell the user about another studio with the same design; empty without one."""
+        if not self._place.is_shared:
+            return ""
+        name = "A design without a file" if self.path is None else str(self.path)
+        return (
+            f"{name} is also open in another studio. What is not saved here is kept apart, in "
+            f"{self.autosave_file}."
+        )
 
     @property
     def aside(self) -> str:
@@ -134,6 +156,7 @@ class Session:
             The gesture lasts until `settle`, as long as the mouse button is held.
         """
         with self._lock:
+            self._guard.withdraw()
             if gesture != self._gesture or not gesture:
                 self._end_gesture()
                 if gesture:
@@ -170,6 +193,9 @@ class Session:
     def save(self, path: str | os.PathLike[str] | None = None) -> Path:
         """Write the design file, from then on this one.
 
+        A file that holds what was neither read nor written here is replaced only by the second of
+        two calls with nothing between them.
+
         Parameters
         ----------
         path : path, optional
@@ -178,22 +204,36 @@ class Session:
         Raises
         ------
         InputError
-            A crash has left a design that saving would remove or forget; all is as it was.
+            The file would be replaced and that was not asked for twice, or a crash has left a
+            design beside another file than the present one; all is as it was.
         ExportError
             It could not be written; all is as it was.
         """
         with self._lock:
             self._end_gesture()
             target = Path(path or self.path or UNTITLED)
-            self._refuse_to_lose(target)
+            self._refuse_to_forget(target)
+            self._guard.refuse_once(target)
             self._model.save(target)
+            self._forget_saved()
+            if not is_same_file(target, self._home):
+                self._leave()
+                self.path = target
+                self._keep_in(Place(target, remaining_files(target)))
             self.path = target
-            self._model.keep_in(autosave_path(target))
+            self._guard = ReplaceGuard(target)
             self._tell()
             return target
 
+    def withdraw(self) -> None:
+        """Forget that replacing a file was asked for once."""
+        self._guard.withdraw()
+
     def open(self, path: str | os.PathLike[str]) -> None:
-        """Read a design file, from then on the file of the session; it can be undone.
+        """Read a design file, from then on the file of the session.
+
+        It cannot be undone: saving would write the former design over this file. What was not
+        saved of that one is kept beside its own file.
 
         Raises
         ------
@@ -203,20 +243,42 @@ class Session:
             What a crash has left beside it cannot be read, nor moved aside; all is as it was.
         """
         with self._lock:
+            self._guard.withdraw()
+            self._end_gesture()
             self.autosave()
             target = Path(path)
+            guard = ReplaceGuard(target)
             read_design(target)  # what lies beside a broken file stays there
-            left = _left(autosave_path(target))
-            self._end_gesture()
+            beside = look_beside(target, self.autosave_file)
+            was_saved = self._model.is_saved
             self._model.load(target)
-            self.path = target
-            self._keep_beside(target, left)
+            self._leave(was_saved)
+            self.path, self._guard = target, guard
+            self._keep_beside(beside)
             self._tell()
+
+    def take(self, design: Design) -> None:
+        """Go on with another design, which has no file yet; it can be undone.
+
+        Raises
+        ------
+        ExportError
+            The present design could not be kept; all is as it was.
+        """
+        with self._lock:
+            if self.path is not None:
+                self._end_gesture()
+                self.autosave()
+                self._leave()
+                self.path, self._guard = None, ReplaceGuard()
+                self._keep_in(Place(self._home, remaining_files(self._home)))
+            self.edit(lambda model: model.take(design))
 
     def autosave(self) -> bool:
         """Keep the design where it survives a crash, and tell whether that was needed.
 
-        Never over a design that a crash has left and nobody has decided about.
+        Never over a design that a crash has left and nobody has decided about: that one has a
+        file of its own.
 
         Raises
         ------
@@ -224,35 +286,92 @@ class Session:
             It could not be written.
         """
         with self._lock:
-            return self._found is None and self._model.autosave()
+            return self._model.autosave()
 
-    def take_found(self) -> None:
-        """Go on with what a crash has left; it can be undone."""
+    def close(self) -> None:
+        """Let another studio have the file that the design is kept in."""
         with self._lock:
-            if self._found is not None:
-                found, self._found = self._found, None
-                self.edit(lambda model: model.take(found))
+            self._place.release()
 
-    def drop_found(self) -> None:
-        """Remove what a crash has left."""
+    def take_found(self, remainder: Remainder) -> None:
+        """Go on with what a crash has left; it can be undone.
+
+        It stays in its file until it is saved. What was shaped before and not saved stays in the
+        file of that.
+
+        Raises
+        ------
+        ExportError
+            The present design could not be kept; all is as it was.
+        """
         with self._lock:
-            self._found = None
-            self._model.discard_autosave()
+            if remainder not in self._found:  # decided on another page
+                return
+            self._end_gesture()
+            self.autosave()
+            if not self._model.is_saved:
+                self._left_behind.append(self.autosave_file)
+            self._found = tuple(other for other in self._found if other != remainder)
+            self._place.move_to(remainder.file)
+            self._model.keep_in(remainder.file, holds=remainder.design)
+            self.edit(lambda model: model.take(remainder.design))
 
-    def _keep_beside(self, path: Path | None, left: tuple[Design | None, str]) -> None:
-        found, self._aside = left
-        self._found = found if found != self._model.design else None
-        self._model.keep_in(autosave_path(path or UNTITLED))
+    def drop_found(self, remainder: Remainder) -> None:
+        """Remove what a crash has left.
 
-    def _refuse_to_lose(self, target: Path) -> None:
-        """Raise an error when saving would remove, or later write over, what a crash has left."""
-        if self._found is not None:
-            raise InputError(
-                f"A crash has left a design in {self.autosave_file} that saving would remove. "
-                "First go on with it, or remove it."
-            )
-        kept = autosave_path(target)
-        if kept.resolve() != self.autosave_file.resolve() and kept.exists():
+        Raises
+        ------
+        ExportError
+            It cannot be removed.
+        """
+        with self._lock:
+            if remainder not in self._found:
+                return
+            try:
+                remainder.file.unlink(missing_ok=True)
+            except OSError as error:
+                raise ExportError(f"Cannot remove {remainder.file}: {error.strerror}.") from error
+            self._found = tuple(other for other in self._found if other != remainder)
+
+    @property
+    def _home(self) -> Path:
+        """What the autosave files are named after."""
+        return self.path or Path(UNTITLED)
+
+    def _keep_beside(self, beside: Beside) -> None:
+        self._aside = beside.aside
+        self._found = tuple(
+            remainder for remainder in beside.remainders if remainder.design != self._model.design
+        )
+        self._keep_in(Place(self._home, [remainder.file for remainder in self._found]))
+
+    def _keep_in(self, place: Place) -> None:
+        self._place = place
+        self._model.keep_in(place.file)
+
+    def _leave(self, was_saved: bool | None = None) -> None:
+        """Let go of the present file's autosave; what it holds and is not saved stays there."""
+        is_saved = self._model.is_saved if was_saved is None else was_saved
+        self._left_behind = self.left_behind
+        if not is_saved:
+            self._left_behind.append(self.autosave_file)
+        self._found, self._aside = (), ""
+        self._place.release()
+
+    def _forget_saved(self) -> None:
+        """Remove what was left behind in this session and is the same as what was saved."""
+        for file in self._left_behind:
+            with suppress(IfsCadError, OSError):  # what cannot be read is not known to be saved
+                if recover(file) == self._model.design:
+                    file.unlink(missing_ok=True)
+
+    def _refuse_to_forget(self, target: Path) -> None:
+        """Raise an error when a crash has left a design of a file that was not opened."""
+        if is_same_file(target, self._home):
+            return
+        for kept in remaining_files(target):
+            if any(is_same_file(kept, own) for own in self._left_behind):
+                continue
             way = "Open" if target.exists() else "Start the studio with"
             raise InputError(
                 f"A crash has left a design of {target.name} in {kept}. {way} {target} to see it, "
@@ -261,6 +380,7 @@ class Session:
 
     def _step(self, step: Callable[[StudioModel], bool]) -> bool:
         with self._lock:
+            self._guard.withdraw()
             self._gesture = ""
             done = step(self._model)
             self._tell()
@@ -272,28 +392,3 @@ class Session:
 
     def _tell(self) -> None:
         self.changed(self.snapshot())
-
-
-def _left(kept: Path) -> tuple[Design | None, str]:
-    """Return what a crash has left, and what to say when it had to be moved aside."""
-    try:
-        return recover(kept), ""
-    except InputError as error:
-        return None, _moved_aside(kept, error)
-
-
-def _moved_aside(kept: Path, error: InputError) -> str:
-    """Rename a kept design that cannot be read, for the next one to have its place; say so."""
-    place = kept.with_suffix(f".bad{kept.suffix}")
-    number = 1
-    while place.exists():
-        number += 1
-        place = kept.with_suffix(f".bad{number}{kept.suffix}")
-    try:
-        kept.rename(place)
-    except OSError as failure:
-        raise ExportError(
-            f"{error}\nIt is what a crash has left, and cannot be moved aside: "
-            f"{failure.strerror}. Move {kept} away."
-        ) from error
-    return f"What a crash has left cannot be read, and was moved to {place}. {error}"
