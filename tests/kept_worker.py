@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from unittest import mock
 
 from ifs_cad.errors import IfsCadError, WorkerError
@@ -50,6 +51,8 @@ class KeptWorker:
 
     def __init__(self) -> None:
         self._life = contextlib.ExitStack()
+        # a worker dies with the thread that started it, and a job's own thread ends with the job
+        self._starter = ThreadPoolExecutor(1)
         self._listener = _Whoever()
         self._do: supervise.Job | None = None
 
@@ -58,7 +61,8 @@ class KeptWorker:
         """Stand in for `supervise.session`."""
         if self._do is None:
             with mock.patch.object(supervise, "START", START):
-                self._do = self._life.enter_context(own_session(self._listener))
+                begun = self._starter.submit(self._life.enter_context, own_session(self._listener))
+                self._do = begun.result()
         self._listener.now = listener
         try:
             self._do("go to", {"folder": os.getcwd()})

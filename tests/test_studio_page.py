@@ -363,7 +363,7 @@ def test_the_workshop_folder_is_made_of_own_stock(page: Page, tmp_path: Path) ->
     page.press("Workshop folder")
     said = page.page.get_by_text("line 3: [[sheets]] entry 1 (thin): length must be a number")
     said.wait_for()
-    page.type("Own stock", "")
+    page.box("Own stock").fill("")
 
 
 def test_the_step_file_that_is_downloaded_passes_the_check(page: Page, tmp_path: Path) -> None:
