@@ -14,7 +14,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from screens import PATIENCE, frames, headless_browser
+from screens import frames, headless_browser, open_studio_page
 from table import Line, milliseconds
 from timing import interleaved
 
@@ -100,11 +100,7 @@ def measure(rounds: int, pictures: Path | None) -> list[Line]:
 def _photograph(studio: Studio, path: Path) -> None:
     """Take a picture of a studio's page after a control point was dragged."""
     with headless_browser() as browser:
-        page = browser.new_page(viewport={"width": 1100, "height": 650})
-        page.set_default_timeout(1000 * PATIENCE)
-        page.goto(studio.address)
-        page.get_by_text("Software WebGL").wait_for()
-        page.locator(".mantine-Notification-closeButton").click()
+        page = open_studio_page(browser, studio.address, 1100, 650)
         studio.page.select(Key("a", 1))
         frames(page)
         page.screenshot(path=path)

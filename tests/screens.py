@@ -23,6 +23,7 @@ OPTIONS = (
     "--enable-unsafe-swiftshader",
 )
 PATIENCE = 60.0  # s, within which a viewer serves its page
+STUDIO_PATIENCE = 120.0  # s; without a graphics card a studio draws slowly
 
 
 class NoScreenError(RuntimeError):
@@ -97,6 +98,17 @@ def open_viewer_page(
     page.set_default_timeout(1000 * PATIENCE)
     page.goto(viewer_page(port))
     page.get_by_text("Eye").wait_for()  # a part of the splash screen
+    return page
+
+
+def open_studio_page(browser: Any, address: str, width: int, height: int) -> Any:
+    """Open the page of a studio and return it once its design is drawn and nothing lies over it."""
+    page = browser.new_page(viewport={"width": width, "height": height})
+    page.set_default_timeout(1000 * STUDIO_PATIENCE)
+    page.goto(address)
+    page.get_by_text("can be built").wait_for()
+    page.get_by_text("Software WebGL").wait_for()
+    page.locator(".mantine-Notification-closeButton").click()
     return page
 
 

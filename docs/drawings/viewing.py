@@ -7,7 +7,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from screens import frames, headless_browser, open_viewer_page, running_viewer
+from screens import (
+    frames,
+    headless_browser,
+    open_studio_page,
+    open_viewer_page,
+    running_viewer,
+)
 
 import ifs_cad as ifs
 from drawings.gallery import shown
@@ -63,12 +69,7 @@ def studio() -> None:
         opened() as studio,
         headless_browser() as browser,
     ):
-        page = browser.new_page(viewport={"width": 1400, "height": 880})
-        page.set_default_timeout(120_000)  # ms; without a graphics card drawing is slow
-        page.goto(studio.address)
-        page.get_by_text("can be built").wait_for()
-        page.get_by_text("Software WebGL").wait_for()
-        page.locator(".mantine-Notification-closeButton").click()
+        page = open_studio_page(browser, studio.address, 1400, 880)
         studio.page.select(Key("a", 1))
         frames(page)
         page.screenshot(path=PICTURES / "studio.png")

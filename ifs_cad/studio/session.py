@@ -218,7 +218,6 @@ class Session:
             self._forget_saved()
             if not is_same_file(target, self._home):
                 self._leave()
-                self.path = target
                 self._keep_in(Place(target, remaining_files(target)))
             self.path = target
             self._guard = ReplaceGuard(target)
